@@ -1,0 +1,33 @@
+# Every target sets itself up: all that is needed is Python >= 3.11 and make.
+PYTHON ?= python3
+BIN := .venv/bin
+SOURCES := pyproject.toml README.md LICENSE $(shell find swimlab sequences metrics -type f -not -path '*/__pycache__/*')
+
+export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: study test clean
+
+study: .venv/installed
+	$(BIN)/swimlab study -o runs/study
+
+# The tests run against the installed wheel, never against the source folders.
+test: .venv/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -n 2
+
+.venv/dependencies: pyproject.toml constraints.txt
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet $$($(BIN)/python -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; print(*p["dependencies"], *p["optional-dependencies"]["dev"])' | tr ' ' '\n')
+	touch $@
+
+.venv/installed: .venv/dependencies $(SOURCES)
+	$(BIN)/python -m build --wheel --no-isolation --outdir .venv/wheels . > .venv/build.log || (cat .venv/build.log; exit 1)
+	$(BIN)/pip install --quiet --no-deps --force-reinstall .venv/wheels/swimlab-*.whl
+	touch $@
+
+clean:
+	rm -rf .venv runs

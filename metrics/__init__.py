@@ -1,0 +1,9 @@
+"""Measures of the stability of frames: what is glued to the surface, what flickers, swims or is aliased."""
+
+from metrics.clip import Clip, ClipError
+from metrics.measurement import Measurement, Metric
+from metrics.registry import METRICS
+from metrics.scale import measure_scales
+from metrics.score import measure
+
+__all__ = ["METRICS", "Clip", "ClipError", "Measurement", "Metric", "measure", "measure_scales"]

@@ -1,0 +1,42 @@
+"""How much of the picture the scores speak of."""
+
+from metrics.measurement import Context, Measurement, Metric
+from metrics.spans import Span
+from metrics.spectra import Batch
+
+SCORES = {
+    "measured.fraction": Metric(
+        "1", "information", "share of the frame that tiles weigh", "mean over spans of min(sum w^2, 1)"
+    ),
+    "covered.fraction": Metric("1", "information", "share of wholly covered pixels", "mean over frames"),
+}
+
+
+class Extent:
+    """Measured and covered area."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._measured = 0.0
+        self._covered = 0.0
+
+    def begin(self, span: Span) -> None:
+        self._measured += span.measured * span.count
+        self._covered += span.covered * span.count
+
+    def add(self, batch: Batch) -> None:
+        """Nothing to learn from pictures."""
+
+    def end(self) -> None:
+        """Nothing to close."""
+
+    def finish(self) -> Measurement:
+        return Measurement(
+            scores={
+                "measured.fraction": self._measured / self._context.count,
+                "covered.fraction": self._covered / self._context.count,
+            }
+        )
+
+
+MEASURE = Extent

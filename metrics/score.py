@@ -1,0 +1,137 @@
+"""Measure a clip: one pass over the frames feeds every measure."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metrics import registry
+from metrics.clip import Clip, ClipError, FrameSource
+from metrics.display import Domain, encode, to_domain
+from metrics.measurement import Context, Measurement
+from metrics.spans import plan, uniform_steps
+from metrics.spectra import batches
+from metrics.tiles import SIZES
+
+# A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
+TRAVEL = 25.0
+
+Progress = Callable[[int, int], None]
+
+
+def measure(
+    test: Clip,
+    reference: Clip | None = None,
+    *,
+    domain: Domain = "linear",
+    reference_error: FrameSource | None = None,
+    names: Sequence[str] | None = None,
+    progress: Progress | None = None,
+) -> Measurement:
+    """Measure a test clip, against a reference if there is one.
+
+    Motion, coverage and depth are the test's; where it has no coverage or depth, the reference's.
+    domain: "linear" radiance, or "display": exposure 1, clamped to 0..1, sRGB codes.
+    reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
+        (A + B)/2 is the reference.
+    names: scores wanted, by name or beginning ("budget"); None: all.
+    progress: called with frames done and frames in all.
+    Frames are read one at a time, and more than once. Raises ClipError for frames that cannot be measured and
+    ValueError for an unknown name.
+    """
+    registry.check_names(names)
+    geometry = _geometry(test, reference)
+    steps = uniform_steps(geometry)
+    context = Context(
+        count=test.count,
+        shape=test.shape,
+        has_reference=reference is not None,
+        has_floor=reference is not None and reference_error is not None,
+        has_depth=geometry.depth is not None,
+        velocity=_velocity(geometry, steps),
+    )
+    measures = [measure_type(context) for measure_type in registry.measures(names)]
+    notes = []
+    for span in plan(geometry, steps):
+        for each in measures:
+            each.begin(span)
+        for t in range(span.start, span.stop):
+            picture, error, half = _pictures(t, test, reference, reference_error, domain)
+            for batch in batches(span, t, test=picture, error=error, half_difference=half):
+                for each in measures:
+                    each.add(batch)
+            if progress is not None:
+                progress(t + 1, test.count)
+        for each in measures:
+            each.end()
+        if not span.levels:
+            notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
+    found = Measurement(notes=notes + _travel_note(steps))
+    for each in measures:
+        found.merge(each.finish())
+    found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
+    found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.wanted(name, names)}
+    return found
+
+
+def _geometry(test: Clip, reference: Clip | None) -> Clip:
+    """The test with what the reference knows of coverage and depth. Raises ClipError if they do not match."""
+    if reference is None:
+        return test
+    if reference.count != test.count:
+        raise ClipError(f"the test has {test.count} frames and the reference {reference.count}; they must match")
+    if reference.shape != test.shape:
+        raise ClipError(
+            f"the test is {test.shape[1]}x{test.shape[0]} px and the reference "
+            f"{reference.shape[1]}x{reference.shape[0]} px; they must match"
+        )
+    return Clip(
+        frame=test.frame,
+        count=test.count,
+        fps=test.fps,
+        motion=test.motion,
+        coverage=test.coverage or reference.coverage,
+        depth=test.depth or reference.depth,
+        pixels_per_degree=test.pixels_per_degree,
+    )
+
+
+def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, float] | None:
+    """(dx, dy) px a frame, if all steps are the same to a thousandth of a pixel over the clip."""
+    if not callable(clip.motion):
+        return clip.motion
+    if steps is None or len(steps) < 2:
+        return None
+    mean = steps[1:].mean(axis=0)
+    strayed = np.cumsum(steps[1:] - mean, axis=0)
+    return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
+
+
+def _pictures(
+    t: int, test: Clip, reference: Clip | None, reference_error: FrameSource | None, domain: Domain
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Test, error and half-difference of frame t, [3, H, W], in the domain."""
+    picture = to_domain(test.image(t), domain)
+    if reference is None:
+        return picture, None, None
+    exact = reference.image(t)
+    half = None
+    if reference_error is not None:
+        half = Clip(reference_error, reference.count).image(t)
+        if half.shape != exact.shape:
+            raise ClipError(f"the reference's error of frame {t} has another size than the reference")
+        if domain == "display":
+            half = (encode(exact + half) - encode(exact - half)) / 2
+    return picture, picture - to_domain(exact, domain), half
+
+
+def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:
+    if steps is None or len(steps) < 2:
+        return []
+    travelled = float(np.hypot(*steps[1:].sum(axis=0)))
+    if travelled >= TRAVEL:
+        return []
+    return [
+        f"the surface travels {travelled:.1f} px: an error fixed to the screen reads as flicker only in part "
+        f"below {TRAVEL:g} px"
+    ]

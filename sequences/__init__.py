@@ -1,0 +1,31 @@
+"""What is rendered, as plain data: a road, a camera, and how the frames of a clip differ.
+
+A sequence is a TOML file. `load` reads one, from the library or of your own, and names every mistake in it
+at once; `schema` describes the format to an editor. `Sequence.view` gives the grid of samples of a frame.
+`sequences.asphalt` makes the maps that the library's roads are surfaced with. Nothing here renders.
+"""
+
+from .camera import Camera
+from .load import library, load, schema
+from .motion import Motion
+from .motions import MOTIONS
+from .problems import SequenceError
+from .scene import Material, Road, Scene, Sun
+from .sequence import Sequence
+from .view import View
+
+__all__ = [
+    "MOTIONS",
+    "Camera",
+    "Material",
+    "Motion",
+    "Road",
+    "Scene",
+    "Sequence",
+    "SequenceError",
+    "Sun",
+    "View",
+    "library",
+    "load",
+    "schema",
+]

@@ -1,0 +1,36 @@
+"""shift: the image slides by sub-pixel steps; nothing but the sample points changes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field
+
+from ..motion import Motion
+from ..table import Real
+from ..view import View
+
+if TYPE_CHECKING:
+    from ..sequence import Sequence
+
+Step = Annotated[Real, Field(ge=-1e4, le=1e4)]
+
+
+class Shift(Motion):
+    """The whole image moves alike: frame t samples the base image at (i + 1/2 - t vx, j + 1/2 - t vy)."""
+
+    kind: Literal["shift"] = Field("shift", description="the image slides by whole-image sub-pixel steps")
+    velocity: tuple[Step, Step] = Field(
+        (23 / 32, 19 / 32), description="motion of the picture's content, px a frame, right and down"
+    )
+
+    def view(self, sequence: Sequence, t: int) -> View:
+        """The base grid moved by -t velocity, so that the content moves by +t velocity."""
+        width, height = sequence.size
+        origin = (-t * self.velocity[0], -t * self.velocity[1])
+        return View(width, height, origin=origin, pitch=(1.0, 1.0), camera=sequence.camera)
+
+    @property
+    def uniform_velocity(self) -> tuple[float, float]:
+        """The velocity: all of the picture moves alike."""
+        return self.velocity

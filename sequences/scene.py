@@ -1,0 +1,110 @@
+"""The scene: a road, what it is made of, and the sun."""
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, ValidationInfo, field_validator
+
+from .table import Real, Table
+
+MADE = ("made:asphalt",)
+"""Names of the maps that are made, not read."""
+
+
+class Road(Table):
+    """A straight road along y that repeats for ever: u = x/width + 1/2, v = y/segment."""
+
+    width: Real = Field(8.0, gt=0, le=1e4, description="width of the road, m; u runs 0..1 across, left to right")
+    segment: Real = Field(8.0, gt=0, le=1e5, description="metres of road that a repeat of the maps covers")
+    length: Real = Field(240.0, gt=0, le=1e5, description="metres of road drawn ahead of the eye")
+    profile: Literal["flat", "hills"] = Field(
+        "flat", description="flat, or hills: z = amplitude sin(2 pi y / wavelength)"
+    )
+    amplitude: Real | None = Field(
+        None, ge=0, le=1000, validate_default=True, description="height of the hills, m; for hills only"
+    )
+    wavelength: Real | None = Field(
+        None, gt=0, le=1e6, validate_default=True, description="length of the hills, m; for hills only"
+    )
+
+    @field_validator("amplitude", "wavelength")
+    @classmethod
+    def _only_for_hills(cls, value: float | None, info: ValidationInfo) -> float | None:
+        profile = info.data.get("profile")
+        if profile == "hills" and value is None:
+            raise ValueError(f'missing: profile = "hills" needs {info.field_name}, in metres')
+        if profile == "flat" and value is not None:
+            raise ValueError('a flat road has none: remove this key, or set profile = "hills"')
+        return value
+
+    def height_at(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Height of the surface, m, at `y` metres along the road: float64 of the shape of `y`."""
+        y = np.asarray(y, dtype=np.float64)
+        if self.amplitude is None or self.wavelength is None:
+            return np.zeros_like(y)
+        return np.asarray(self.amplitude * np.sin(2 * np.pi / self.wavelength * y))
+
+    def slope_at(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Slope dz/dy of the surface at `y` metres along the road: float64 of the shape of `y`."""
+        y = np.asarray(y, dtype=np.float64)
+        if self.amplitude is None or self.wavelength is None:
+            return np.zeros_like(y)
+        wave = 2 * np.pi / self.wavelength
+        return np.asarray(self.amplitude * wave * np.cos(wave * y))
+
+
+class Material(Table):
+    """What the road is made of: a reflectance model and its maps.
+
+    A map is the name of a made one (`made:asphalt`) or a file, relative to the sequence file. Row 0 of a map
+    is v = 0.
+    """
+
+    brdf: str = Field("blinn-phong", min_length=1, description="reflectance model, by name")
+    albedo: str = Field(
+        "made:asphalt",
+        min_length=1,
+        description="map of 3 channels; sRGB if its metadata or extension says so, else linear",
+    )
+    normal: str = Field(
+        "made:asphalt",
+        min_length=1,
+        description="map of 3 channels, tangent space x right, y forward, z up; integers hold (n + 1) / 2",
+    )
+    gloss: str = Field(
+        "made:asphalt",
+        min_length=1,
+        description="map of 2 channels: Ks and power; integer files hold power = 2^(1 + 12 c)",
+    )
+
+    @field_validator("albedo", "normal", "gloss")
+    @classmethod
+    def _known_maker(cls, value: str) -> str:
+        if value.startswith("made:") and value not in MADE:
+            raise ValueError(f"no such made map: {value!r} (there is {', '.join(MADE)}; anything else is a file)")
+        return value
+
+
+class Sun(Table):
+    """A directional light, relative to the road and not to the camera."""
+
+    azimuth: Real = Field(4.0, ge=-360, le=360, description="degrees clockwise from straight ahead (-360..360)")
+    elevation: Real = Field(14.0, ge=-90, le=90, description="degrees above the horizon (-90..90)")
+    diffuse: Real = Field(0.6, ge=0, le=1e6, description="diffuse intensity: fD = sat(N.L) * diffuse")
+
+    @property
+    def direction(self) -> NDArray[np.float64]:
+        """L, the unit vector to the sun: (cos e sin a, cos e cos a, sin e), float64 [3]."""
+        azimuth, elevation = math.radians(self.azimuth), math.radians(self.elevation)
+        level = math.cos(elevation)
+        return np.array((level * math.sin(azimuth), level * math.cos(azimuth), math.sin(elevation)))
+
+
+class Scene(Table):
+    """What stands still: road, material, sun."""
+
+    road: Road = Field(default=Road(), description="shape of the road")
+    material: Material = Field(default=Material(), description="reflectance model and maps")
+    sun: Sun = Field(default=Sun(), description="the light")

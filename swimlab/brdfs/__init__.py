@@ -1,0 +1,1 @@
+"""One reflectance model a file. A file here is found by itself (see `registry`)."""

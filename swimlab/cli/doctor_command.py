@@ -1,0 +1,91 @@
+"""`swimlab doctor`."""
+
+from collections.abc import Callable
+
+CHECKS: dict[str, Callable[[], str]] = {}
+
+
+def doctor_command() -> int:
+    """Check that everything swimlab needs works on this machine. Exit code 2 if anything fails."""
+    failures = 0
+    for name, check in CHECKS.items():
+        try:
+            print(f"ok    {name}: {check()}")
+        except Exception as error:  # whatever breaks is what the doctor is asked about
+            failures += 1
+            print(f"FAIL  {name}: {type(error).__name__}: {error}")
+    return 2 if failures else 0
+
+
+def _check(name: str) -> Callable[[Callable[[], str]], Callable[[], str]]:
+    def register(function: Callable[[], str]) -> Callable[[], str]:
+        CHECKS[name] = function
+        return function
+
+    return register
+
+
+@_check("python and cores")
+def _python() -> str:
+    import os
+    import platform
+
+    return f"{platform.python_version()}, {len(os.sched_getaffinity(0))} cores"
+
+
+@_check("kernel cache")
+def _cache() -> str:
+    from swimlab.launch import start_warp
+
+    return f"{start_warp()} can be written"
+
+
+@_check("render a picture")
+def _render() -> str:
+    import time
+
+    from sequences import load
+    from swimlab.catalogue import brdfs, techniques
+    from swimlab.launch import Launcher
+    from swimlab.material import load_material
+    from swimlab.shot import Shot
+
+    sequence = load("road-shift").with_changes(size=(64, 36))
+    technique = techniques()["pixel-aniso"]
+    with Launcher() as launcher:
+        started = time.perf_counter()
+        brdf = brdfs()[sequence.scene.material.brdf].evaluate
+        shot = Shot(sequence, 0, load_material(sequence, launcher), brdf, 4, launcher)
+        mean = float(technique.render(shot, technique.settings()).rgba[..., :3].mean())
+    if not mean > 0:
+        raise RuntimeError("the picture came out black")
+    return f"mean radiance {mean:.3f}, {time.perf_counter() - started:.1f} s with compilation"
+
+
+@_check("write and read an EXR file")
+def _files() -> str:
+    import tempfile
+    from pathlib import Path
+
+    import numpy as np
+    import OpenImageIO as oiio  # noqa: N813
+
+    from swimlab.frames import read_frame, write_frame
+
+    picture = np.random.default_rng(0).random((8, 8, 4), np.float32)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "0000.exr"
+        write_frame(path, picture, half=False, metadata={})
+        if not np.array_equal(read_frame(path), picture):
+            raise RuntimeError("what was read is not what was written")
+    return f"OpenImageIO {oiio.VERSION_STRING}"
+
+
+@_check("temporary space")
+def _space() -> str:
+    import shutil
+
+    free = shutil.disk_usage(".").free / 1e9
+    if free < 1:
+        raise RuntimeError(f"{free:.1f} GB free here; a study writes up to 0.6 GB")
+    return f"{free:.0f} GB free here"

@@ -1,0 +1,47 @@
+"""`swimlab info`."""
+
+from pathlib import Path
+
+
+def info_command(what: str, /) -> int:
+    """Say what a sequence or a run folder holds.
+
+    Parameters
+    ----------
+    what:
+        A run folder, the name of a sequence in the library, or a .toml file.
+    """
+    from swimlab.record import Record
+
+    if not Path(what).is_dir():
+        print_sequence(what)
+        return 0
+    record = Record.read(Path(what))
+    size = "{}x{}".format(*record.sequence["size"])
+    print(f"run of      {record.sequence['name']}, {record.sequence['motion']['kind']}, {size}")
+    print(f"hash        {record.hash}")
+    print(f"techniques  {', '.join(record.techniques) or 'none yet'}")
+    print(f"frames      {len(record.frames)} of {record.sequence['frames']}")
+    print(f"samples     {record.settings['samples']} a pixel of the reference")
+    for name, time in record.times.items():
+        print(f"time        {name}: {time['ms_per_frame']:.1f} ms a frame")
+    for key, value in record.provenance.items():
+        print(f"{key:<11} {value}")
+    print(f"measured    {'yes' if (Path(what) / 'scores.json').is_file() else 'no'}")
+    return 0
+
+
+def print_sequence(name: str) -> None:
+    """Print a sequence with every default filled in, as TOML-like lines of key = value."""
+    import json
+
+    from swimlab.cli.options import load_sequence
+
+    def walk(table: dict[str, object], prefix: str) -> None:
+        for key, value in table.items():
+            if isinstance(value, dict):
+                walk(value, f"{prefix}{key}.")
+            elif value is not None:
+                print(f"{prefix}{key} = {json.dumps(value)}")
+
+    walk(load_sequence(name).model_dump(mode="json"), "")

@@ -1,0 +1,54 @@
+"""The command `swimlab`: its subcommands, loaded when they are called, and what errors become."""
+
+import os
+import sys
+import warnings
+
+from cyclopts import App
+
+from swimlab import __version__
+
+COMMANDS = {
+    "study": "Render the techniques and the reference, measure them and write a report.",
+    "render": "Render a sequence under one or several techniques into a run folder.",
+    "measure": "Measure the techniques of a run folder against its reference.",
+    "report": "Write the report of run folders that have been measured.",
+    "list": "List techniques, sequences, brdfs or metrics.",
+    "info": "Say what a sequence or a run folder holds.",
+    "doctor": "Check that everything swimlab needs works on this machine.",
+    "schema": "Print the JSON schema of sequence files, for editors.",
+}
+
+app = App(
+    name="swimlab",
+    version=__version__,
+    help="Measure temporal aliasing and swimming: tell a stable error from a flickering one.",
+)
+for _name, _help in COMMANDS.items():
+    app.command(f"swimlab.cli.{_name}_command:{_name}_command", name=_name, help=_help)
+
+
+def main() -> None:
+    """Run the command line. Exit codes: 0 good, 1 a gate failed, 2 could not run, 130 interrupted."""
+    warnings.showwarning = _show_warning
+    try:
+        app()
+    except KeyboardInterrupt:
+        print(
+            "swimlab: interrupted; what was written is whole, the same command goes on from there",
+            file=sys.stderr,
+        )
+        sys.exit(130)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(2)
+    except (ValueError, OSError) as error:
+        if os.environ.get("SWIMLAB_TRACEBACK"):
+            raise
+        for line in str(error).splitlines():
+            print(f"swimlab: {line}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    print(f"swimlab: warning: {message}", file=sys.stderr)

@@ -1,0 +1,106 @@
+"""Options that several commands share."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from sequences import Sequence
+    from swimlab.plan import Plan
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Rendering:
+    """How to render.
+
+    Parameters
+    ----------
+    frames:
+        Frames to render, as 0-31, 0-30x2 or 3,5 (default: all).
+    size:
+        Size of the pictures in pixels, WIDTHxHEIGHT (default: the sequence's).
+    samples:
+        Samples a pixel of the reference, a square number.
+    threads:
+        Threads to render with (default: every core).
+    device:
+        Device to render on.
+    float32:
+        Write pictures as 32-bit floats instead of 16-bit.
+    force:
+        Render everything anew, over whatever the folder holds.
+    quiet:
+        Show no progress.
+    """
+
+    frames: str | None = None
+    size: str | None = None
+    samples: int = 64
+    threads: int | None = None
+    device: str = "cpu"
+    float32: Annotated[bool, Parameter(name="--float", negative="")] = False
+    force: Annotated[bool, Parameter(negative="")] = False
+    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False
+
+    def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> "Plan":
+        """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
+        from swimlab.plan import Plan, check_samples, parse_frames
+        from swimlab.record import RunError
+
+        sequence = load_sequence(sequence_name)
+        if self.size is not None:
+            sequence = sequence.with_changes(size=_size(self.size))
+        if self.threads is not None and self.threads < 1:
+            raise RunError(f"--threads {self.threads}: must be at least 1")
+        return Plan(
+            sequence=sequence,
+            techniques=techniques,
+            frames=parse_frames(self.frames or f"0-{sequence.frames - 1}", sequence.frames),
+            samples=check_samples(self.samples),
+            half=not self.float32,
+        )
+
+
+def load_sequence(name: str) -> "Sequence":
+    """A sequence by name or file, checked against the techniques and reflectance models there are."""
+    from sequences import load
+    from swimlab.catalogue import brdfs, technique_settings
+
+    return load(name, technique_settings=technique_settings(), brdfs=brdfs())
+
+
+def technique_names(text: str | None) -> tuple[str, ...]:
+    """Techniques from a list with commas, every one for None. Raises RunError naming an unknown one."""
+    from difflib import get_close_matches
+
+    from swimlab.catalogue import techniques
+    from swimlab.record import RunError
+
+    known = tuple(techniques())
+    if text is None:
+        return known
+    names = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        close = get_close_matches(unknown[0], known, n=1) if unknown else []
+        guess = f"did you mean {close[0]!r}? " if close else ""
+        raise RunError(f"-t {text}: {guess}there are {', '.join(known)}")
+    return tuple(name for name in known if name in names)
+
+
+def run_folder(name: str) -> Path:
+    """Where a run of this name goes when no folder is given."""
+    return Path("runs") / name
+
+
+def _size(text: str) -> tuple[int, int]:
+    from swimlab.record import RunError
+
+    try:
+        width, height = (int(side) for side in text.lower().split("x"))
+    except ValueError as error:
+        raise RunError(f"--size {text}: write WIDTHxHEIGHT, as 640x360") from error
+    return width, height

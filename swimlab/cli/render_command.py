@@ -1,0 +1,60 @@
+"""`swimlab render`."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from swimlab.cli.options import Rendering, run_folder, technique_names
+from swimlab.cli.progress import progress
+
+if TYPE_CHECKING:
+    from swimlab.plan import Plan
+
+
+def render_command(
+    sequence: str,
+    /,
+    *,
+    techniques: Annotated[str | None, Parameter(name=["--techniques", "-t"])] = None,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    rendering: Rendering | None = None,
+) -> int:
+    """Render a sequence under one or several techniques into a run folder.
+
+    A folder that holds part of the same run is completed; one that holds another run is refused.
+
+    Parameters
+    ----------
+    sequence:
+        Name of a sequence in the library, or a .toml file.
+    techniques:
+        Techniques, separated by commas (default: all).
+    output:
+        Run folder (default: runs/SEQUENCE).
+    """
+    rendering = rendering or Rendering()
+    plan = rendering.plan(sequence, technique_names(techniques))
+    run = output or run_folder(plan.sequence.name)
+    render_with_progress(plan, run, rendering)
+    print(run)
+    return 0
+
+
+def render_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
+    """Render a plan, showing how far it is."""
+    from swimlab.run import render_run
+
+    steps = len(plan.frames) * len(plan.techniques)
+    with progress(f"rendering {plan.sequence.name}", steps, quiet=rendering.quiet) as advance:
+        render_run(
+            plan,
+            run,
+            force=rendering.force,
+            threads=rendering.threads,
+            device=rendering.device,
+            command=shlex.join(["swimlab", *sys.argv[1:]]),
+            advance=advance,
+        )

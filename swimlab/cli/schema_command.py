@@ -1,0 +1,12 @@
+"""`swimlab schema`."""
+
+
+def schema_command() -> int:
+    """Print the JSON schema of sequence files, with every technique's settings."""
+    import json
+
+    from sequences import schema
+    from swimlab.catalogue import technique_settings
+
+    print(json.dumps(schema(technique_settings()), indent=2))
+    return 0

@@ -1,0 +1,55 @@
+"""The geometry of a frame: coverage, exact motion and depth of each pixel."""
+
+import warp as wp
+
+from swimlab.frames import Geometry
+from swimlab.kernels.geometry import Previous, describe
+from swimlab.launch import Strip
+from swimlab.shot import Shot
+from swimlab.triangles import screen_projection, visibility
+
+COVERAGE_CELLS = 8
+"""Coverage is counted on this many cells a side of each pixel."""
+
+
+def describe_geometry(shot: Shot) -> Geometry:
+    """Coverage, motion since the previous frame (frame 0 as if from t = -1) and depth, from analytic positions."""
+    launcher, grid, n = shot.launcher, shot.grid(), COVERAGE_CELLS
+    size = (shot.view.height, shot.view.width)
+    coverage = launcher.empty(size, wp.float32)
+    motion = launcher.empty(size, wp.vec2)
+    depth = launcher.empty(size, wp.float32)
+    previous = previous_frame(shot)
+
+    def fill(strip: Strip) -> None:
+        centres = visibility(launcher, shot.triangles, grid, strip)
+        cells = visibility(launcher, shot.triangles, shot.grid(n), strip, n)
+        inputs = [
+            strip.first,
+            n,
+            grid,
+            shot.triangles.planes,
+            centres,
+            cells,
+            previous,
+            coverage,
+            motion,
+            depth,
+        ]
+        launcher.launch(describe, (strip.rows, shot.view.width), inputs)
+
+    launcher.each(launcher.strips(shot.view.height), fill)
+    return Geometry(coverage=coverage.numpy(), motion=motion.numpy(), depth=depth.numpy())
+
+
+def previous_frame(shot: Shot) -> Previous:
+    """How the frame before saw what this frame sees."""
+    before = shot.sequence.view(shot.frame - 1)
+    road = shot.sequence.scene.road
+    width, height = shot.sequence.size
+    previous = Previous()
+    previous.projection = wp.mat33d(*screen_projection(before.camera, height, width).ravel().tolist())
+    previous.offset = wp.vec3d(*(shot.view.camera.eye(road) - before.camera.eye(road)).tolist())
+    previous.origin = wp.vec2d(*before.origin)
+    previous.pitch = wp.vec2d(*before.pitch)
+    return previous

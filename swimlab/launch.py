@@ -1,0 +1,121 @@
+"""The launcher: the one place where kernels are started, on all cores.
+
+One launch on the CPU is a serial loop that releases the interpreter lock, so work is cut into strips of rows that a
+pool of threads takes one after another. How it is cut never changes a bit of the result.
+"""
+
+import functools
+import os
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import warp as wp
+
+Item = TypeVar("Item")
+
+STRIP_ROWS = 32
+"""Rows of pixels a task: enough tasks to even out cheap and dear rows, few enough that starting them costs nothing."""
+
+
+class Strip(NamedTuple):
+    """A run of rows of a picture."""
+
+    first: int
+    rows: int
+
+
+class Launcher:
+    """Runs kernels on `device` with `threads` threads (default: every core)."""
+
+    def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
+        start_warp()
+        if device not in {str(known) for known in wp.get_devices()}:
+            known = ", ".join(str(known) for known in wp.get_devices())
+            raise ValueError(f"--device {device}: not on this machine; it has {known}")
+        self.device = device
+        self.threads = threads or len(os.sched_getaffinity(0))
+        self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
+
+    def close(self) -> None:
+        """Let the threads go."""
+        self._pool.shutdown()
+
+    def __enter__(self) -> "Launcher":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def each(self, items: Iterable[Item], body: Callable[[Item], None]) -> None:
+        """Call `body` on every item, several at a time, and wait; the first error is raised."""
+        tasks = [self._pool.submit(body, item) for item in items]
+        try:
+            for task in tasks:
+                task.result()
+        except BaseException:
+            for task in tasks:
+                task.cancel()
+            raise
+
+    def strips(self, rows: int) -> Sequence[Strip]:
+        """Cut a picture into strips: one on a GPU, where a launch is parallel by itself."""
+        height = STRIP_ROWS if self.device == "cpu" else rows
+        return [Strip(first, min(height, rows - first)) for first in range(0, rows, height)]
+
+    def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
+        """Start one kernel in the calling thread."""
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+
+    def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
+        """An uninitialised array on the device."""
+        return wp.empty(shape, dtype=dtype, device=self.device)
+
+    def array(self, values: Any, dtype: Any) -> Any:
+        """A copy of values on the device."""
+        return wp.array(values, dtype=dtype, device=self.device)
+
+
+@contextmanager
+def _quiet_stderr() -> Iterator[None]:
+    """Keep the driver's notices, which are written to file descriptor 2 from C, off the screen."""
+    saved = os.dup(2)
+    with Path(os.devnull).open("w") as sink:
+        os.dup2(sink.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+
+
+@functools.cache
+def start_warp() -> Path:
+    """Initialise Warp, quietly, with a kernel cache that can be written; return the cache's folder."""
+    wanted = os.environ.get("WARP_CACHE_PATH") or wp.config.kernel_cache_dir
+    if wanted is None:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111, no home is no error
+        wanted = str(Path(base) / "swimlab" / f"warp-{wp.__version__}")
+    folder = Path(wanted)
+    if not _writable(folder):
+        folder = Path(tempfile.gettempdir()) / f"swimlab-kernels-{os.getuid()}"
+        warnings.warn(f"kernel cache {wanted} cannot be written; using {folder}", RuntimeWarning, stacklevel=2)
+        folder.mkdir(parents=True, exist_ok=True)
+    wp.config.log_level = wp.LOG_WARNING
+    wp.config.kernel_cache_dir = str(folder)
+    with _quiet_stderr():
+        wp.init()  # type: ignore[no-untyped-call]
+    return folder
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False

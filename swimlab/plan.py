@@ -1,0 +1,73 @@
+"""What to render: a sequence, techniques, frames, and the hash of all that decides the pixels."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from math import isqrt
+from typing import Any
+
+from sequences import Sequence
+from swimlab import __version__
+from swimlab.record import RunError
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to render.
+
+    samples: the reference's samples a pixel, a square number from 4. half: pictures as 16-bit floats.
+    """
+
+    sequence: Sequence
+    techniques: tuple[str, ...]
+    frames: tuple[int, ...]
+    samples: int = 64
+    half: bool = True
+
+    def content(self) -> dict[str, Any]:
+        """All that decides the pixels, but for map files: what the settings hash is taken of."""
+        from swimlab.catalogue import techniques
+
+        given = self.sequence.techniques
+        settings = {
+            name: technique.settings.model_validate(given.get(name, {})).model_dump()
+            for name, technique in techniques().items()
+        }
+        return {
+            "swimlab": __version__,
+            "sequence": self.sequence.model_dump(mode="json", exclude={"techniques"}) | {"techniques": settings},
+            "samples": self.samples,
+            "half": self.half,
+        }
+
+    def digest(self) -> str:
+        """The settings hash: 16 hexadecimal digits over `content` and the bytes of the map files."""
+        digest = hashlib.sha256(json.dumps(self.content(), sort_keys=True).encode())
+        material = self.sequence.scene.material
+        for key in ("albedo", "normal", "gloss"):
+            path = self.sequence.map_path(getattr(material, key))
+            if path is not None and path.is_file():
+                digest.update(path.read_bytes())
+        return digest.hexdigest()[:16]
+
+
+def parse_frames(text: str, count: int) -> tuple[int, ...]:
+    """Frames of a sequence of `count` from a range as '0-31', '0-30x2' or '3,5'. Raises RunError."""
+    from fileseq.exceptions import ParseException
+    from fileseq.frameset import FrameSet
+
+    try:
+        frames = tuple(sorted({int(frame) for frame in FrameSet(text)}))
+    except (ParseException, ValueError) as error:
+        raise RunError(f"--frames {text}: not a range of frames; write 0-31, 0-30x2 or 3,5") from error
+    outside = [frame for frame in frames if not 0 <= frame < count]
+    if outside or not frames:
+        raise RunError(f"--frames {text}: the sequence has frames 0-{count - 1}")
+    return frames
+
+
+def check_samples(samples: int) -> int:
+    """The number itself where it is a square from 4 to 4096. Raises RunError otherwise."""
+    if not 4 <= samples <= 4096 or isqrt(samples) ** 2 != samples:
+        raise RunError(f"--samples {samples}: must be a square number from 4 to 4096, as 16, 64 or 256")
+    return samples

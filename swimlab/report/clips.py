@@ -1,0 +1,142 @@
+"""Which pictures the page carries: whole frames and a detail over time, as many as a budget allows."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+
+from swimlab.frames import Image, frame_path, read_frame
+from swimlab.report.display import error_codes, srgb, webp
+from swimlab.report.recorded import REFERENCE, Run
+
+BUDGET = 18_500_000
+DETAIL_SIZE = (96, 64)
+DETAIL_SHARE = 0.45
+
+Region = tuple[int, int, int, int]
+
+
+@dataclass
+class Clip:
+    """Consecutive pictures of every technique in one region (x, y, width, height in px; None: whole frames).
+
+    pictures and errors: technique -> base64 WebP by frame number. sizes: frame number -> (width, height).
+    """
+
+    run: Run
+    region: Region | None = None
+    pictures: dict[str, dict[int, str]] = field(default_factory=dict)
+    errors: dict[str, dict[int, str]] = field(default_factory=dict)
+    sizes: dict[int, tuple[int, int]] = field(default_factory=dict)
+
+    @property
+    def frames(self) -> list[int]:
+        """Frame numbers, rising."""
+        return sorted(self.sizes)
+
+    def size(self) -> int:
+        """Bytes of all pictures as base64 text."""
+        return sum(len(text) for part in (self.pictures, self.errors) for d in part.values() for text in d.values())
+
+    def merge(self, other: "Clip") -> None:
+        """Take over the pictures of another clip of the same run and region."""
+        self.sizes |= other.sizes
+        for mine, theirs in ((self.pictures, other.pictures), (self.errors, other.errors)):
+            for technique, texts in theirs.items():
+                mine.setdefault(technique, {}).update(texts)
+
+
+def choose_clips(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]], budget: int = BUDGET) -> list[Clip]:
+    """Encode the pictures of the page in at most `budget` bytes, shared evenly; what a run leaves goes on.
+
+    A run gets a detail over as many frames as fit into DETAIL_SHARE of its share, and whole frames for the
+    rest; the detail is left out where all whole frames fit, and of a run that resizes. Clips come in the
+    order of `runs`.
+    """
+    clips: dict[str, list[Clip]] = {}
+    left = budget
+    waiting = sorted(runs, key=lambda run: not run.resizes)
+    for place, run in enumerate(waiting):
+        chosen = _clips_of(run, entries, left // (len(waiting) - place))
+        left -= sum(clip.size() for clip in chosen)
+        clips[run.sequence] = chosen
+    return [clip for run in runs for clip in clips[run.sequence]]
+
+
+def _clips_of(run: Run, entries: Sequence[Mapping[str, Any]], budget: int) -> list[Clip]:
+    order = list(reversed(run.frames)) if run.resizes else outwards(run.frames, liveliest(run, entries))
+    if run.resizes:
+        return [clip for clip in [fill(run, order, None, budget)] if clip.sizes]
+    detail = fill(run, order, disputed_region(run, order[0]), int(DETAIL_SHARE * budget))
+    whole = fill(run, order, None, budget - detail.size())
+    return [clip for clip in (whole, detail) if clip.sizes and (clip is whole or len(whole.sizes) < len(run.frames))]
+
+
+def fill(run: Run, order: Iterable[int], region: Region | None, budget: int) -> Clip:
+    """Encode frames in the given order until the next one would go over the budget."""
+    clip = Clip(run, region)
+    used = 0
+    for frame in order:
+        step = encode(run, frame, region)
+        used += step.size()
+        if used > budget:
+            break
+        clip.merge(step)
+    return clip
+
+
+def encode(run: Run, frame: int, region: Region | None) -> Clip:
+    """Encode one frame of every technique, with its error against the reference where there is one."""
+    with ThreadPoolExecutor() as pool:
+        read = pool.map(lambda name: _read(run, name, frame, region), run.techniques)
+        images = dict(zip(run.techniques, read, strict=True))
+        tests = [n for n in run.techniques if n != REFERENCE and REFERENCE in images]
+        pictures = pool.map(lambda n: webp(srgb(images[n][..., :3])), run.techniques)
+        errors = pool.map(lambda n: webp(error_codes(images[n], images[REFERENCE])), tests)
+        height, width = images[run.techniques[0]].shape[:2]
+        return Clip(
+            run,
+            region,
+            pictures={name: {frame: text} for name, text in zip(run.techniques, pictures, strict=True)},
+            errors={name: {frame: text} for name, text in zip(tests, errors, strict=True)},
+            sizes={frame: (width, height)},
+        )
+
+
+def _read(run: Run, technique: str, frame: int, region: Region | None) -> Image:
+    rgba = read_frame(frame_path(run.folder, technique, frame))
+    if region is None:
+        return rgba
+    x, y, width, height = region
+    return rgba[y : y + height, x : x + width]
+
+
+def liveliest(run: Run, entries: Sequence[Mapping[str, Any]]) -> int:
+    """The frame in which the errors of all techniques change most; the middle one if no change is known."""
+    change = dict.fromkeys(run.frames, 0.0)
+    for entry in entries:
+        if entry["sequence"] == run.sequence:
+            for row in entry.get("frames", []):
+                if row.get("change") is not None and row["frame"] in change:
+                    change[row["frame"]] += row["change"]
+    return max(change, key=lambda frame: change[frame]) if any(change.values()) else run.frames[len(run.frames) // 2]
+
+
+def outwards(frames: Sequence[int], start: int) -> list[int]:
+    """Frames from `start` to the end, then backwards from it: every prefix is a row of consecutive frames."""
+    place = list(frames).index(start)
+    return [*frames[place:], *reversed(frames[:place])]
+
+
+def disputed_region(run: Run, frame: int, size: tuple[int, int] = DETAIL_SIZE) -> Region:
+    """The region (x, y, width, height) of a frame where the pictures of the techniques differ most."""
+    stack = np.stack([srgb(_read(run, name, frame, None)[..., :3]).mean(axis=2) for name in run.techniques])
+    height, width = stack.shape[1:]
+    w, h = min(size[0], width), min(size[1], height)
+    spread = stack.std(axis=0)
+    around = cv2.boxFilter(spread, -1, (w, h), anchor=(0, 0), borderType=cv2.BORDER_CONSTANT)
+    y, x = np.unravel_index(int(np.argmax(around[: height - h + 1, : width - w + 1])), (height - h + 1, width - w + 1))
+    return int(x), int(y), w, h

@@ -1,0 +1,151 @@
+"""The report page: scores, pictures, charts and provenance in one HTML file that needs no network."""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+from metrics import METRICS
+from swimlab.report.clips import BUDGET, Clip, choose_clips
+from swimlab.report.display import ERROR_RANGE, ERROR_STEPS
+from swimlab.report.figures import figures
+from swimlab.report.palette import Ink, inks
+from swimlab.report.recorded import REFERENCE, ReportError, Run, open_run
+from swimlab.report.table import headline, score_table
+
+
+def write_report(
+    runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int = BUDGET
+) -> None:
+    """Write the page of one or more run folders, one sequence each: a temporary file, then a rename.
+
+    scores: the content of scores.json. picture_budget: bytes of embedded pictures, all runs together.
+    Raises ReportError for a folder without run.json or for scores that hold NaN or infinity, and FrameError
+    for a missing frame.
+    """
+    _refuse_nan(scores)
+    opened = [open_run(run) for run in runs]
+    entries = scores["sequences"]
+    clips = choose_clips(opened, entries, picture_budget)
+    colours = inks(_techniques(opened, entries))
+    page = (
+        _environment()
+        .get_template("report.html")
+        .render(
+            names=[run.sequence for run in opened],
+            sections=[_section(run, entries, clips, colours) for run in opened],
+            inks=colours,
+            provenance=flatten({**scores.get("provenance", {}), **_by_run(opened)}),
+            settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],
+            metrics=METRICS,
+            pictures=Markup(picture_json(clips, entries)),
+            css=Markup(_static("report.css")),
+            script=Markup(_static("pictures.js") + _static("viewer.js")),
+        )
+    )
+    temporary = destination.with_name(f".{destination.name}.{os.getpid()}.tmp")
+    temporary.write_text(page, encoding="utf-8")
+    temporary.replace(destination)
+
+
+def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]]) -> str:
+    """What the viewer needs, as JSON that may stand inside a script element."""
+    content = {
+        "error": {"range": ERROR_RANGE, "steps": ERROR_STEPS},
+        "reference": REFERENCE,
+        "clips": [_viewer_clip(clip, entries) for clip in clips],
+    }
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def flatten(tree: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Nested mappings as (dotted key, text) pairs."""
+    pairs = []
+    for key, value in tree.items():
+        if isinstance(value, Mapping):
+            pairs += flatten(value, f"{prefix}{key}.")
+        else:
+            pairs.append((f"{prefix}{key}", value if isinstance(value, str) else json.dumps(value, default=str)))
+    return pairs
+
+
+def _refuse_nan(scores: Mapping[str, Any]) -> None:
+    for entry in scores["sequences"]:
+        try:
+            json.dumps(entry, allow_nan=False)
+        except ValueError as problem:
+            place = f"{entry['sequence']}, {entry['technique']}"
+            raise ReportError(f"scores: {place}: hold NaN or infinity; measure the run again") from problem
+
+
+def _section(
+    run: Run, entries: Sequence[Mapping[str, Any]], clips: Sequence[Clip], colours: Mapping[str, Ink]
+) -> dict[str, Any]:
+    mine = [entry for entry in entries if entry["sequence"] == run.sequence]
+    names = sorted({name for entry in mine for name in [*entry["scores"], *entry.get("absent", {})]})
+    return {
+        "name": run.sequence,
+        "headline": headline(mine),
+        "table": score_table(mine, run.milliseconds),
+        "figures": figures(mine, colours),
+        "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
+        "score_names": names,
+        "entries": mine,
+        "clips": [_caption(clip) for clip in clips if clip.run is run],
+    }
+
+
+def _techniques(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]]) -> list[str]:
+    rendered = (name for run in runs for name in run.techniques)
+    return list(dict.fromkeys([*rendered, *(entry["technique"] for entry in entries)]))
+
+
+def _caption(clip: Clip) -> str:
+    first, last = clip.frames[0], clip.frames[-1]
+    which = f"frame {first}" if first == last else f"frames {first} to {last}"
+    if clip.region is None:
+        return f"whole picture, {which} of {len(clip.run.frames)}"
+    x, y, width, height = clip.region
+    return f"detail {width}x{height} at ({x}, {y}), {which} of {len(clip.run.frames)}"
+
+
+def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    mse = {
+        entry["technique"]: {row["frame"]: row["mse"] for row in entry.get("frames", []) if row.get("mse") is not None}
+        for entry in entries
+        if entry["sequence"] == clip.run.sequence
+    }
+    return {
+        "name": f"{clip.run.sequence}: {_caption(clip)}",
+        "fps": clip.run.fps,
+        "techniques": clip.run.techniques,
+        "frames": clip.frames,
+        "origin": list(clip.region[:2]) if clip.region else [0, 0],
+        "sizes": [clip.sizes[frame] for frame in clip.frames],
+        "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
+        "errors": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.errors.items()},
+        "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
+    }
+
+
+def _by_run(runs: Sequence[Run]) -> dict[str, Any]:
+    return {run.sequence: run.provenance for run in runs if run.provenance}
+
+
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("swimlab.report"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _static(name: str) -> str:
+    return (resources.files("swimlab.report") / "static" / name).read_text(encoding="utf-8")

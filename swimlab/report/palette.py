@@ -1,0 +1,39 @@
+"""One colour per technique, the same in every table, legend and chart, told apart with any colour vision.
+
+Colours of techniques: Paul Tol's "bright" scheme (Tol, Colour Schemes, SRON/EPS/TN/09-002, 2021), with dashes
+when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from swimlab.report.recorded import REFERENCE
+
+
+class Ink(NamedTuple):
+    """A colour and the SVG dash pattern of a line ("" is solid)."""
+
+    colour: str
+    dash: str
+
+
+TECHNIQUES = ("#ee6677", "#ccbb44", "#66ccee", "#4477aa", "#aa3377", "#228833")
+DASHES = ("", "6 3", "2 3")
+PARTS = {
+    "bias": "#999999",
+    "detail": "#56b4e9",
+    "flicker": "#d55e00",
+    "on the plane": "#56b4e9",
+    "order 1": "#d55e00",
+    "order 2": "#e69f00",
+    "off every plane": "#999999",
+}
+
+
+def inks(techniques: Sequence[str]) -> dict[str, Ink]:
+    """Ink of each technique by its place in the list; the reference has the colour of the text."""
+    chosen = {REFERENCE: Ink("currentColor", "")}
+    for place, name in enumerate(name for name in techniques if name != REFERENCE):
+        turn, colour = divmod(place, len(TECHNIQUES))
+        chosen[name] = Ink(TECHNIQUES[colour], DASHES[turn % len(DASHES)])
+    return chosen

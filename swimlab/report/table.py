@@ -1,0 +1,167 @@
+"""The score table of a sequence: rms values in words, best and worst marked, and why a score is missing."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from metrics import METRICS
+from swimlab.report.charts import number
+from swimlab.report.recorded import REFERENCE
+
+Entry = Mapping[str, Any]
+Scores = Mapping[str, float]
+
+
+class Column(NamedTuple):
+    """A column of the score table; its value is made from the score it needs and all of the technique."""
+
+    heading: str
+    score: str
+    value: Callable[[float, Scores], float]
+    text: Callable[[float], str]
+    ranked: bool
+
+
+class Cell(NamedTuple):
+    """A cell: text, CSS class ("", "best" or "worst"), and hover text."""
+
+    text: str
+    mark: str
+    hint: str
+
+
+class Table(NamedTuple):
+    """Headings (text, hint), rows (technique, cells), and (heading, reason) of columns that have no value."""
+
+    headings: list[tuple[str, str]]
+    rows: list[tuple[str, list[Cell]]]
+    missing: list[tuple[str, str]]
+
+
+def _root(value: float, _: Scores) -> float:
+    return math.sqrt(max(value, 0))
+
+
+def _same(value: float, _: Scores) -> float:
+    return value
+
+
+def _share(value: float, scores: Scores) -> float:
+    return value / scores["budget.mse"] if scores.get("budget.mse") else 0.0
+
+
+def _aligned(value: float) -> str:
+    """Three significant digits, needless zeros kept so that a column can be read down."""
+    return number(value) if value != 0 and not 1e-3 <= abs(value) < 1e3 else f"{value:#.3g}".rstrip(".")
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.1f} %"
+
+
+TIME = "ms_per_frame"
+COLUMNS = (
+    Column("rms error", "budget.mse", _root, _aligned, True),
+    Column("± floor", "budget.floor", _root, _aligned, False),
+    Column("rms bias", "budget.bias", _root, _aligned, True),
+    Column("rms detail", "budget.detail", _root, _aligned, True),
+    Column("rms flicker", "budget.flicker", _root, _aligned, True),
+    Column("share of flicker", "budget.flicker", _share, _percent, False),
+    Column("residual flicker", "residual.flicker", _root, _aligned, True),
+    Column("reference's residual", "residual.flicker.reference", _root, _aligned, False),
+    Column("on plane", "plane.on", _same, _percent, False),
+    Column("order 1", "plane.order1", _same, _percent, True),
+    Column("order 2", "plane.order2", _same, _percent, True),
+    Column("off plane", "plane.off", _same, _percent, True),
+    Column("scale error", "scale.rmse", _same, _aligned, True),
+    Column("self error", "scale.self_rmse", _same, _aligned, True),
+    Column("mean drift, %", "scale.mean_drift", _same, _aligned, True),
+    Column("high lights", "scale.highlight", _same, _aligned, False),
+    Column("slope, %/octave", "scale.slope", _same, _aligned, False),
+    Column("ms a frame", TIME, _same, _aligned, True),
+)
+
+
+def score_table(entries: Sequence[Entry], milliseconds: Mapping[str, float]) -> Table:
+    """The table of one sequence's entries; columns without any value move to `missing` with their reason."""
+    headings, columns, missing = [], [], []
+    for column in COLUMNS:
+        values = [_value(column, entry, milliseconds) for entry in entries]
+        reasons = [entry.get("absent", {}).get(column.score) for entry in entries]
+        if any(value is not None for value in values):
+            headings.append((column.heading, _hint(column)))
+            columns.append(_cells(column, entries, values, reasons))
+        elif any(reasons):
+            missing.append((column.heading, next(reason for reason in reasons if reason)))
+    rows = [(entry["technique"], [cells[row] for cells in columns]) for row, entry in enumerate(entries)]
+    return Table(headings, rows, missing)
+
+
+def _hint(column: Column) -> str:
+    if column.score == TIME:
+        return "rendering time"
+    metric = METRICS[column.score]
+    return f"{'root of ' if column.value is _root else ''}{column.score}: {metric.description}"
+
+
+def _value(column: Column, entry: Entry, milliseconds: Mapping[str, float]) -> float | None:
+    if column.score == TIME:
+        return milliseconds.get(entry["technique"])
+    score = entry["scores"].get(column.score)
+    return None if score is None else column.value(score, entry["scores"])
+
+
+def _cells(
+    column: Column, entries: Sequence[Entry], values: Sequence[float | None], reasons: Sequence[str | None]
+) -> list[Cell]:
+    far = [
+        abs(value) if column.ranked and value is not None and entry["technique"] != REFERENCE else None
+        for entry, value in zip(entries, values, strict=True)
+    ]
+    known = [d for d in far if d is not None]
+    cells = []
+    for value, distance, reason in zip(values, far, reasons, strict=True):
+        mark = ""
+        if distance is not None and min(known) < max(known):
+            mark = "best" if distance == min(known) else "worst" if distance == max(known) else ""
+        if value is None:
+            cells.append(Cell("—", "", reason or "not measured"))
+        else:
+            cells.append(Cell(column.text(value), mark, f"{value:.6g}" + (f", {mark} of this column" if mark else "")))
+    return cells
+
+
+def headline(entries: Sequence[Entry]) -> str:
+    """The answer in a sentence or two: which technique errs least and most, and how much of that flickers."""
+    tests = [entry for entry in entries if entry["technique"] != REFERENCE]
+    by_error = sorted((e for e in tests if "budget.mse" in e["scores"]), key=lambda e: float(e["scores"]["budget.mse"]))
+    by_scale = sorted((e for e in tests if "scale.rmse" in e["scores"]), key=lambda e: float(e["scores"]["scale.rmse"]))
+    if len(by_error) > 1:
+        best, worst = by_error[0], by_error[-1]
+        ratio = _rms(worst) / _rms(best) if _rms(best) else math.inf
+        lines = [
+            f"{best['technique']} is nearest to the reference: rms error {number(_rms(best))}.",
+            f"{worst['technique']} is farthest: {number(_rms(worst))}"
+            + (f", {ratio:.1f} times as much." if ratio < 1e6 else "."),
+        ]
+        shown = [e for e in by_error if "budget.flicker" in e["scores"]]
+        if len(shown) > 1:
+            flicker = max(shown, key=lambda e: float(e["scores"]["budget.flicker"]))
+            calm = min(shown, key=lambda e: float(e["scores"]["budget.flicker"]))
+            lines.append(
+                f"{flicker['technique']} flickers most ({number(_rms(flicker, 'budget.flicker'))} rms), "
+                f"{calm['technique']} least ({number(_rms(calm, 'budget.flicker'))})."
+            )
+        return " ".join(lines)
+    if len(by_scale) > 1:
+        best, worst = by_scale[0], by_scale[-1]
+        return (
+            f"{best['technique']} depends least on the picture's size "
+            f"(scale error {number(best['scores']['scale.rmse'])}), "
+            f"{worst['technique']} most ({number(worst['scores']['scale.rmse'])})."
+        )
+    return ""
+
+
+def _rms(entry: Entry, score: str = "budget.mse") -> float:
+    return math.sqrt(max(entry["scores"][score], 0))

@@ -1,0 +1,134 @@
+"""Rendering a plan into a run folder: resumable, and refused where the folder holds something else."""
+
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from swimlab import __version__
+from swimlab.catalogue import brdfs, techniques
+from swimlab.frames import FrameError, Image, frame_path, write_channels, write_frame, write_geometry
+from swimlab.geometry import describe_geometry
+from swimlab.launch import Launcher
+from swimlab.material import load_material
+from swimlab.plan import Plan
+from swimlab.record import Record, RunError, provenance
+from swimlab.shot import Shot
+from swimlab.technique import Picture
+
+GEOMETRY = "geometry"
+ERROR = "error"
+"""Folders of a run beside the techniques': the geometry, and the reference's standard error in channels R, G, B, A."""
+
+
+def render_run(
+    plan: Plan,
+    run: Path,
+    *,
+    force: bool = False,
+    threads: int | None = None,
+    device: str = "cpu",
+    command: str = "",
+    advance: Callable[[str], None] = lambda _: None,
+) -> Record:
+    """Render every picture of the plan that the run folder does not hold yet; `force` renders all anew.
+
+    `advance` is called with a technique's name after each of its pictures. Raises RunError where the folder holds a run
+    of another settings hash, MapError for unfit maps. An interrupt loses nothing that was written.
+    """
+    metadata = {"swimlab:hash": plan.digest(), "swimlab:version": __version__}
+    with Launcher(threads=threads, device=device) as launcher:
+        material = load_material(plan.sequence, launcher)
+        brdf = brdfs()[plan.sequence.scene.material.brdf].evaluate
+        record = open_record(plan, run, force=force, command=command)
+        record.write(run)
+        times: dict[str, list[float]] = {name: [] for name in plan.techniques}
+        try:
+            for frame in plan.frames:
+                shot = Shot(plan.sequence, frame, material, brdf, plan.samples, launcher)
+                path = frame_path(run, GEOMETRY, frame)
+                if force or not path.exists():
+                    write_geometry(path, describe_geometry(shot), metadata=metadata)
+                for name in plan.techniques:
+                    path = frame_path(run, name, frame)
+                    if force or not path.exists():
+                        started = time.perf_counter()
+                        picture = _render(shot, name)
+                        times[name].append(1e3 * (time.perf_counter() - started))
+                        _keep_error(run, frame, picture, record, metadata)
+                        write_frame(path, picture.rgba, half=plan.half, metadata=metadata)
+                    record.techniques = _with(record.techniques, name, techniques())
+                    advance(name)
+                record.frames = sorted({*record.frames, frame})
+        finally:
+            record.times |= {n: {"ms_per_frame": median(ms), "frames": len(ms)} for n, ms in times.items() if ms}
+            record.write(run)
+    return record
+
+
+def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
+    """The record to go on with: the folder's own where it is of the same settings, else a new one.
+
+    Raises RunError where the folder holds other settings; with `force` their pictures are removed instead.
+    """
+    content = plan.content()
+    fresh = Record(
+        sequence=content["sequence"],
+        settings={"samples": plan.samples, "half": plan.half},
+        hash=plan.digest(),
+        uniform_velocity=plan.sequence.motion.uniform_velocity,
+        resizes=plan.sequence.motion.resizes,
+        provenance=provenance(command),
+    )
+    if not (run / "run.json").exists():
+        return fresh
+    before = Record.read(run)
+    if before.hash == fresh.hash:
+        before.provenance = fresh.provenance
+        return before
+    if not force:
+        raise RunError(
+            f"{run}: holds a run of other settings (hash {before.hash}, now {fresh.hash}); "
+            "choose another folder with -o, or write over it with --force"
+        )
+    for name in [*techniques(), GEOMETRY, ERROR]:
+        for path in (run / name).glob("[0-9]*.exr"):
+            path.unlink()
+    return fresh
+
+
+def check_complete(run: Path, names: Iterable[str], frames: Iterable[int]) -> None:
+    """Raise FrameError naming the first picture that a run should hold and does not."""
+    wanted = [frame_path(run, name, frame) for name in names for frame in frames]
+    missing = [path for path in wanted if not path.is_file()]
+    if missing:
+        raise FrameError(f"{missing[0]}: is missing ({len(missing)} in all); give the render command again to resume")
+
+
+def rms_error(rgba: Image, error: Image) -> float:
+    """Root of the mean squared standard error over RGB and the wholly covered pixels; 0 where there is none."""
+    covered = rgba[..., 3] == 1.0
+    return float(np.sqrt(np.mean(np.square(error[covered][:, :3], dtype=np.float64)))) if covered.any() else 0.0
+
+
+def _render(shot: Shot, name: str) -> Picture:
+    technique = techniques()[name]
+    settings = technique.settings.model_validate(shot.sequence.techniques.get(name, {}))
+    picture = technique.render(shot, settings)
+    if not np.isfinite(picture.rgba).all():
+        raise RunError(f"{name}, frame {shot.frame}: came out with a NaN or Inf; look for extreme values in the maps")
+    return picture
+
+
+def _keep_error(run: Path, frame: int, picture: Picture, record: Record, metadata: dict[str, str]) -> None:
+    if picture.error is None:
+        return
+    channels = ("R", "G", "B", "A")
+    write_channels(frame_path(run, ERROR, frame), picture.error, channels, half=False, metadata=metadata)
+    record.reference_rms_error[str(frame)] = rms_error(picture.rgba, picture.error)
+
+
+def _with(names: list[str], name: str, order: Iterable[str]) -> list[str]:
+    return [known for known in order if known in {*names, name}]

@@ -1,0 +1,92 @@
+"""What a technique is, and how the pixel-shading ones are made of a texture filter."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from swimlab.kernels.samples import shade_samples
+from swimlab.launch import Strip
+from swimlab.shot import Shot
+from swimlab.triangles import visibility
+
+Image = NDArray[np.float32]
+
+
+class Settings(BaseModel):
+    """Settings of a technique: plain values with defaults and bounds. This one has none."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Picture(NamedTuple):
+    """A rendered frame: `rgba` [H, W, 4], linear, premultiplied; `error` its own standard error where known, alike."""
+
+    rgba: Image
+    error: Image | None = None
+
+
+@dataclass(frozen=True)
+class Technique:
+    """An order of filtering and shading, with its name, one line about it, its source and its settings."""
+
+    name: str
+    summary: str
+    source: str
+    render: Callable[[Shot, Any], Picture]
+    settings: type[Settings] = Settings
+
+
+TextureFilter = Callable[[Any], wp.Function]
+
+
+def pixel_shading(texture_filter: TextureFilter) -> Callable[[Shot, Any], Picture]:
+    """Filter the inputs at the pixel's centre, shade once.
+
+    `texture_filter(settings)` makes the device function (texels, chain, surface) -> texel.
+    """
+    specialised = cache(texture_filter)
+
+    def render(shot: Shot, settings: Settings) -> Picture:
+        return render_samples(shot, specialised(settings), n=1)
+
+    return render
+
+
+def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered: bool = False) -> Picture:
+    """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
+    launcher = shot.launcher
+    grid = shot.grid(n, jittered=jittered)
+    size = (shot.view.height, shot.view.width)
+    picture = launcher.empty(size, wp.vec4)
+    error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
+    kernel = shade_samples(texture_filter, shot.brdf)
+    material, planes = shot.material, shot.triangles.planes
+
+    def shade(strip: Strip) -> None:
+        visible = visibility(launcher, shot.triangles, grid, strip, n)
+        inputs = [
+            strip.first,
+            n,
+            grid,
+            visible,
+            planes,
+            material.texels,
+            material.shape,
+            shot.sun,
+            picture,
+            error,
+        ]
+        launcher.launch(kernel, (strip.rows, shot.view.width), inputs)
+
+    launcher.each(launcher.strips(shot.view.height), shade)
+    return Picture(_floats(picture), _floats(error) if n > 1 else None)
+
+
+def _floats(picture: Any) -> Image:
+    return np.asarray(picture.numpy(), np.float32)

@@ -1,0 +1,21 @@
+"""Bilinear filtering of the finest level: smooth under magnification, no better than point sampling far away."""
+
+import warp as wp
+
+from swimlab.kernels.sampling import bilinear
+from swimlab.kernels.structs import Chain, Surface, Texel
+from swimlab.technique import Technique, pixel_shading
+
+
+@wp.func
+def finest(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
+    """The four texels of level 0 about uv."""
+    return bilinear(texels, chain, 0, wp.vec2(surface.uv))
+
+
+TECHNIQUE = Technique(
+    name="pixel-bilinear",
+    summary="bilinear inputs of the finest level, shaded once a pixel",
+    source="Sloan & Baker, Texture Filtering Review",
+    render=pixel_shading(lambda settings: finest),
+)
