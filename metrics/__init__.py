@@ -5,5 +5,16 @@ from metrics.measurement import Measurement, Metric
 from metrics.registry import METRICS
 from metrics.scale import measure_scales
 from metrics.score import measure
+from metrics.spans import Alignment, align
 
-__all__ = ["METRICS", "Clip", "ClipError", "Measurement", "Metric", "measure", "measure_scales"]
+__all__ = [
+    "METRICS",
+    "Alignment",
+    "Clip",
+    "ClipError",
+    "Measurement",
+    "Metric",
+    "align",
+    "measure",
+    "measure_scales",
+]

@@ -1,6 +1,6 @@
 """From linear radiance to what a display is sent."""
 
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,5 +20,7 @@ def encode(radiance: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def to_domain(radiance: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
-    """The radiance itself in the linear domain, its sRGB code values in the display domain."""
+    """The radiance itself in the linear domain, its sRGB codes in the display domain. Raises ValueError for others."""
+    if domain not in get_args(Domain):
+        raise ValueError(f"domain is {domain!r}; choose one of {', '.join(get_args(Domain))}")
     return encode(radiance) if domain == "display" else radiance

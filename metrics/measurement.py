@@ -53,11 +53,10 @@ class Context:
     """What a measure may know before the first frame.
 
     velocity: (dx, dy) px a frame if the picture moves uniformly in space and time, else None.
-    bands: [level][n] arrays per span come with the span; has_depth says whether they mean anything.
+    has_depth: whether spans come with bands of distance.
     """
 
     count: int
-    shape: tuple[int, int]
     has_reference: bool
     has_floor: bool
     has_depth: bool

@@ -161,3 +161,6 @@ def _vertex(three: Power) -> float:
     left, middle, right = np.log(np.maximum(three, np.finfo(float).tiny))
     bend = left - 2 * middle + right
     return float(np.clip(0.5 * (left - right) / bend, -0.5, 0.5)) if bend < 0 else 0.0
+
+
+MEASURE = Moire

@@ -41,6 +41,11 @@ class Orders:
         """One order, the lowest, for every group."""
         return [group[0] for group in self.groups]
 
+    def opposite(self) -> list[int]:
+        """For every group the index of the group of the orders -n."""
+        place = {order: index for index, group in enumerate(self.groups) for order in group}
+        return [place[-x, -y] for x, y in self.single]
+
     def basis(self, count: int) -> NDArray[np.complex128]:
         """[count, groups], exp(-2 pi i n.v t): how each order's locked spectrum turns with time."""
         frequency = np.array(self.single, dtype=float) @ np.array(self.velocity)

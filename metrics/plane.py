@@ -98,7 +98,9 @@ class Plane:
         flat = projections.reshape(len(projections), -1)
         # Re(a* P) of the least-squares amplitudes a: exact for orders apart, unbiased for noise, sums to the fit.
         explained = np.real(np.einsum("ni,ni->n", np.conj(inverse @ flat), flat))
-        for order, value in zip(self._orders.single, explained, strict=True):
+        # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
+        both = (explained + explained[self._orders.opposite()]) / 2
+        for order, value in zip(self._orders.single, both, strict=True):
             self._energy[order] = self._energy.get(order, 0.0) + float(value)
         self._off += max(0.0, total - float(explained.sum()))
 
@@ -141,7 +143,7 @@ class Plane:
         """Why no score can be had; empty if some can."""
         if self._orders is None:
             return "needs a motion that is uniform over the picture and in time"
-        if len(self._orders.single) < 2:
+        if not any(self._orders.velocity):
             return "nothing moves, so aliases look as the surface does"
         if not self._energy:
             return f"needs tiles that stay wholly covered for more than {len(self._orders.groups)} frames"

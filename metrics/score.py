@@ -9,7 +9,7 @@ from metrics import registry
 from metrics.clip import Clip, ClipError, FrameSource
 from metrics.display import Domain, encode, to_domain
 from metrics.measurement import Context, Measurement
-from metrics.spans import plan, uniform_steps
+from metrics.spans import Alignment, align
 from metrics.spectra import batches
 from metrics.tiles import SIZES
 
@@ -26,6 +26,7 @@ def measure(
     domain: Domain = "linear",
     reference_error: FrameSource | None = None,
     names: Sequence[str] | None = None,
+    alignment: Alignment | None = None,
     progress: Progress | None = None,
 ) -> Measurement:
     """Measure a test clip, against a reference if there is one.
@@ -35,16 +36,17 @@ def measure(
     reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
         (A + B)/2 is the reference.
     names: scores wanted, by name or beginning ("budget"); None: all.
+    alignment: from `align`, of a clip with the same motion, coverage and depth; None: made here.
     progress: called with frames done and frames in all.
     Frames are read one at a time, and more than once. Raises ClipError for frames that cannot be measured and
     ValueError for an unknown name.
     """
     registry.check_names(names)
     geometry = _geometry(test, reference)
-    steps = uniform_steps(geometry)
+    alignment = alignment or align(geometry, keep=False)
+    steps = alignment.steps
     context = Context(
         count=test.count,
-        shape=test.shape,
         has_reference=reference is not None,
         has_floor=reference is not None and reference_error is not None,
         has_depth=geometry.depth is not None,
@@ -52,7 +54,8 @@ def measure(
     )
     measures = [measure_type(context) for measure_type in registry.measures(names)]
     notes = []
-    for span in plan(geometry, steps):
+    longest = 0
+    for span in alignment.spans:
         for each in measures:
             each.begin(span)
         for t in range(span.start, span.stop):
@@ -64,8 +67,11 @@ def measure(
                 progress(t + 1, test.count)
         for each in measures:
             each.end()
+        longest = max(longest, span.count)
         if not span.levels:
             notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
+    if longest < test.count:
+        notes.append(f"frames are aligned in spans of {longest} at most: slower changes read as static")
     found = Measurement(notes=notes + _travel_note(steps))
     for each in measures:
         found.merge(each.finish())

@@ -1,6 +1,6 @@
 """Which frames are aligned with each other, and by what: a spatially uniform motion, or exact correspondence."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -20,7 +20,7 @@ LONGEST_UNWARPED = 32
 # A span may be so long that this share of what a single frame would show is still measured. Under a uniform motion
 # long spans cost nothing but area; unwarped ones also lose accuracy.
 KEPT = 0.2
-KEPT_UNWARPED = 0.5
+KEPT_UNWARPED = 0.3
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,28 @@ class Span:
         return unwarp(image, self.places[t - self.start], self.usable)
 
 
+@dataclass(frozen=True)
+class Alignment:
+    """How a clip's frames lie on each other: work that clips of one geometry, such as several techniques, share.
+
+    steps: [count, 2] (y, x) px by which the whole picture moves into each frame; None if it does not move as one.
+    """
+
+    steps: NDArray[np.float64] | None
+    spans: Iterable[Span]
+
+
+def align(clip: Clip, *, keep: bool = True) -> Alignment:
+    """Align a clip's frames by its motion and coverage.
+
+    keep: hold all spans, to be used again (8 bytes a pixel and frame if the motion is not uniform); else they are
+        made as they are asked for, once.
+    """
+    steps = uniform_steps(clip)
+    spans = plan(clip, steps)
+    return Alignment(steps, list(spans) if keep else spans)
+
+
 def uniform_steps(clip: Clip) -> NDArray[np.float64] | None:
     """[count, 2] (y, x) px by which the whole picture moves into each frame, or None if it is not so.
 
@@ -84,21 +106,20 @@ def uniform_steps(clip: Clip) -> NDArray[np.float64] | None:
 def plan(clip: Clip, steps: NDArray[np.float64] | None) -> Iterator[Span]:
     """Cut a clip in spans as long as tiles stay in view; yields them one by one, in order.
 
-    Lengths are the whole clip or a power of two. The longest is taken with which enough of what a single frame shows
-    is measured.
+    The spans are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
     """
-    longest = clip.count if steps is not None else min(clip.count, LONGEST_UNWARPED)
-    lengths = [longest] + [2**n for n in range(16, 0, -1) if 2**n < longest]
-    kept = KEPT if steps is not None else KEPT_UNWARPED
+    kept, longest = (KEPT, clip.count) if steps is not None else (KEPT_UNWARPED, LONGEST_UNWARPED)
     middle = clip.count // 2
-    alone = _span(clip, middle, middle + 1, steps).measured
-    for length in lengths:
-        edges = np.linspace(0, clip.count, max(1, clip.count // length) + 1).round().astype(int)
+    enough = kept * _span(clip, middle, middle + 1, steps).measured
+    number = -(-clip.count // longest)
+    while True:
+        edges = np.linspace(0, clip.count, number + 1).round().astype(int)
         bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
-        trial = bounds[len(bounds) // 2]
+        trial = bounds[number // 2]
         span = _span(clip, *trial, steps)
-        if span.measured >= kept * alone or length == lengths[-1]:
+        if span.measured >= enough or clip.count < 4 * number:
             break
+        number *= 2
     for bound in bounds:
         yield span if bound == trial else _span(clip, *bound, steps)
 
@@ -112,6 +133,7 @@ def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None) 
         offsets: list[Offset] = [(0.0, 0.0)] * (stop - start)
         places, usable = follow(clip, start, stop)
         levels, weight = lay(clip.shape, offsets[:1], lambda _: usable)
+        usable = weight > 0
     else:
         anchor = start
         travelled = np.vstack([np.zeros(2), np.cumsum(steps[start + 1 : stop], axis=0)])

@@ -10,10 +10,10 @@ SIZES = (64, 32, 16)
 """Tile sizes in px, the largest first."""
 
 # A smaller tile is added where the larger ones weigh less than this at its centre, and none of them could stand.
-_SPARSE = 0.5
+_SPARSE = 0.45
 
 _SMOOTH = 32
-_BETA = 8.0
+_BETA = 10.0
 
 Mask = NDArray[np.bool_]
 Offset = tuple[float, float]
@@ -52,7 +52,7 @@ def window(size: int, shift: float) -> NDArray[np.float64]:
     overlap (Princen & Bradley 1986) and is flat to sixth order at its ends. Of a pattern at .3 cycles/px
     3e-9 (64 px) and 4e-7 (32 px) of the energy leaks beyond the pixel Nyquist, where it would read as flicker;
     sin(pi/2 cos^2(pi x / size)) leaks 7e-8 and 2e-6. No window with that sum keeps below 3e-5 in 16 px: there
-    w is a Kaiser window (Kaiser 1974, beta 8), with 7e-7.
+    w is a Kaiser window (Kaiser 1974, beta 10), with 5e-8.
     """
     x = np.arange(size) + 0.5 - size / 2 - shift
     inside = np.abs(x) < size / 2
@@ -84,16 +84,15 @@ def lay(
     weight = np.zeros(shape)
     levels: list[Level] = []
     for index, size in enumerate(SIZES):
-        rows, columns = (_lattice(length, size) for length in stands[index].where.shape)
-        y, x = (grid.ravel() for grid in np.meshgrid(rows, columns, indexing="ij"))
-        kept = stands[index].where[y, x]
-        y, x = y + stands[index].first[0], x + stands[index].first[1]
-        half = size // 2
+        allowed = stands[index].where.copy()
+        y, x = np.ogrid[: allowed.shape[0], : allowed.shape[1]]
+        centre = (y + stands[index].first[0] + size // 2, x + stands[index].first[1] + size // 2)
         for larger in range(index):
-            kept &= ~stands[larger].around(y + half, x + half, SIZES[larger])
-        kept &= weight[y + half, x + half] < _SPARSE
-        if kept.any():
-            levels.append(Level(size, np.stack([y[kept], x[kept]], axis=1)))
+            allowed &= ~stands[larger].around(*centre, SIZES[larger])
+        if allowed.size:
+            allowed &= weight[centre] < _SPARSE
+        if allowed.any():
+            levels.append(Level(size, _lattice(allowed, size // 2) + np.array(stands[index].first)))
             _add_weight(weight, levels[-1])
     return levels, weight
 
@@ -108,7 +107,7 @@ class _Standing:
     def around(self, y: NDArray[np.intp], x: NDArray[np.intp], size: int) -> Mask:
         """Whether a tile stands that is centred at (y, x), or as near to it as the frame lets it be."""
         if not self.where.size:
-            return np.zeros(len(y), dtype=bool)
+            return np.zeros(np.broadcast_shapes(y.shape, x.shape), dtype=bool)
         row, column = (
             np.clip(centre - size // 2 - first, 0, length - 1)
             for centre, first, length in zip((y, x), self.first, self.where.shape, strict=True)
@@ -135,10 +134,16 @@ def _standing(shape: tuple[int, int], steps: NDArray[np.intp], mask: Callable[[i
     return stands
 
 
-def _lattice(room: int, size: int) -> NDArray[np.intp]:
-    """Places half a tile apart, centred in 0..room-1."""
-    hop = size // 2
-    return np.arange((room - 1) % hop // 2 if room else 0, room, hop, dtype=np.intp)
+def _lattice(allowed: Mask, hop: int) -> NDArray[np.intp]:
+    """Allowed places [n, 2] (y, x) of the lattice with this hop that has most of them, the central one at a tie."""
+    height, width = allowed.shape
+    padded = np.zeros((-(-height // hop) * hop, -(-width // hop) * hop))
+    padded[:height, :width] = allowed
+    found = padded.reshape(len(padded) // hop, hop, -1, hop).sum(axis=(0, 2))
+    off = [np.abs(np.arange(hop) - (length - 1) % hop / 2) / hop for length in (height, width)]
+    y, x = np.unravel_index(np.argmax(found - (off[0][:, None] + off[1][None, :]) / 4), found.shape)
+    places = np.argwhere(allowed[y::hop, x::hop])
+    return np.asarray(places * hop + np.array([y, x]))
 
 
 def _integral(mask: Mask) -> NDArray[np.int32]:

@@ -1,10 +1,10 @@
 """What is there to choose from: techniques and reflectance models by name, found in their folders."""
 
 from functools import cache
-from typing import Any
 
 import swimlab.brdfs
 import swimlab.techniques
+from swimlab.brdf import Brdf
 from swimlab.registry import discover
 from swimlab.technique import Settings, Technique
 
@@ -16,7 +16,7 @@ def techniques() -> dict[str, Technique]:
 
 
 @cache
-def brdfs() -> dict[str, Any]:
+def brdfs() -> dict[str, Brdf]:
     """Every reflectance model by its name."""
     return discover(swimlab.brdfs, "BRDF")
 

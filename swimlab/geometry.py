@@ -38,7 +38,7 @@ def describe_geometry(shot: Shot) -> Geometry:
         ]
         launcher.launch(describe, (strip.rows, shot.view.width), inputs)
 
-    launcher.each(launcher.strips(shot.view.height), fill)
+    launcher.each(launcher.strips(shot.view.height, n), fill)
     return Geometry(coverage=coverage.numpy(), motion=motion.numpy(), depth=depth.numpy())
 
 

@@ -19,7 +19,8 @@ import warp as wp
 Item = TypeVar("Item")
 
 STRIP_ROWS = 32
-"""Rows of pixels a task: enough tasks to even out cheap and dear rows, few enough that starting them costs nothing."""
+"""Rows of samples a task: enough tasks to even out cheap and dear rows, few enough that starting them costs nothing,
+and a strip's visibility buffer stays in the cache."""
 
 
 class Strip(NamedTuple):
@@ -62,9 +63,9 @@ class Launcher:
                 task.cancel()
             raise
 
-    def strips(self, rows: int) -> Sequence[Strip]:
-        """Cut a picture into strips: one on a GPU, where a launch is parallel by itself."""
-        height = STRIP_ROWS if self.device == "cpu" else rows
+    def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
+        """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself."""
+        height = max(1, STRIP_ROWS // n) if self.device == "cpu" else rows
         return [Strip(first, min(height, rows - first)) for first in range(0, rows, height)]
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:

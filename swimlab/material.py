@@ -1,6 +1,8 @@
 """The scene's maps: made or read from files, checked, and packed into one mip chain."""
 
+from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,9 @@ from sequences import Sequence
 from swimlab.kernels.structs import Texel
 from swimlab.launch import Launcher
 from swimlab.texture import MipChain
+
+if TYPE_CHECKING:
+    from sequences.asphalt import Maps
 
 Map = NDArray[np.float32]
 
@@ -54,9 +59,7 @@ def pack(launcher: Launcher, albedo: Map, normal: Map, gloss: Map) -> MipChain:
 def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
     path = sequence.map_path(value)
     if path is None:
-        from sequences.asphalt import make
-
-        return np.asarray(getattr(make(sequence.seed), key), np.float32)
+        return np.asarray(getattr(_made(sequence.seed), key), np.float32)
     where = f"scene.material.{key}: {path}"
     pixels, integer, srgb = _read(path, where)
     if pixels.shape[2] < channels:
@@ -69,6 +72,13 @@ def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
         row, column = np.argwhere(~np.isfinite(pixels).all(axis=2))[0]
         raise MapError(f"{where}: has a NaN or Inf, the first at column {column}, row {row}")
     return _decode(key, pixels, integer=integer, srgb=srgb, where=where)
+
+
+@lru_cache(maxsize=1)
+def _made(seed: int) -> "Maps":
+    from sequences.asphalt import make
+
+    return make(seed)
 
 
 def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> Map:

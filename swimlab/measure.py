@@ -2,20 +2,30 @@
 
 import csv
 import io
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
-from metrics import Clip, Measurement, measure, measure_scales
+from metrics import Clip, Measurement, align, measure, measure_scales
 from swimlab.files import write_json, write_text
-from swimlab.frames import Image, frame_path, read_frame, read_geometry
+from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
 from swimlab.record import VERSION, Record, RunError, provenance
 from swimlab.run import ERROR, GEOMETRY, check_complete
 
 Domain = Literal["linear", "display"]
 
 REFERENCE = "reference"
+
+MEMORY = 2_000_000_000
+"""Bytes that measuring several techniques at a time may take."""
+BYTES_PER_PIXEL = 1500
+"""Memory that measuring one clip takes for each pixel of a frame (1300 measured at 640x360, half covered)."""
+KEPT_BYTES = 256_000_000
+"""Bytes of alignment that are kept for the next technique; a longer clip is aligned anew for each."""
 
 
 def measure_run(
@@ -34,15 +44,13 @@ def measure_run(
     if not record.frames:
         raise RunError(f"{run}: holds no finished frame; render it first")
     tests = [name for name in record.techniques if name != REFERENCE]
-    has_reference = REFERENCE in record.techniques
-    names = [*tests, REFERENCE] if has_reference else tests
-    check_complete(run, [*names, GEOMETRY], record.frames)
+    check_complete(run, [*record.techniques, GEOMETRY], record.frames)
+    score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain)
     entries = []
-    for name in tests:
-        score = _score_scales if record.resizes else _score_clip
-        found = score(run, record, name, has_reference=has_reference, domain=domain)
-        entries.append(_entry(record, name, found))
-        advance(name)
+    with ThreadPoolExecutor(_workers(record)) as pool:
+        for name, found in zip(tests, pool.map(score, tests), strict=True):
+            entries.append(_entry(record, name, found))
+            advance(name)
     scores = {
         "version": VERSION,
         "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
@@ -67,56 +75,79 @@ def frames_table(entries: list[dict[str, Any]]) -> str:
     return text.getvalue()
 
 
-def _score_clip(run: Path, record: Record, name: str, *, has_reference: bool, domain: Domain) -> Measurement:
-    """Measure all frames of a technique as one clip."""
-    test = _clip(run, record, name, record.frames)
-    if not has_reference:
-        return measure(test, None, domain=domain)
-    return measure(
-        test,
-        _clip(run, record, REFERENCE, record.frames),
-        domain=domain,
-        reference_error=lambda t: read_frame(frame_path(run, ERROR, record.frames[t]))[..., :3],
-    )
+def _clip_scorer(run: Path, record: Record, domain: Domain) -> Callable[[str], Measurement]:
+    """What measures all frames of a technique as one clip; the techniques share their alignment."""
+    frames = record.frames
+    width, height = record.sequence["size"]
+    reference = _clip(run, record, REFERENCE, frames) if REFERENCE in record.techniques else None
+    geometry = _clip(run, record, record.techniques[0], frames)
+    shared = align(geometry) if len(frames) * width * height * 8 < KEPT_BYTES else None
+
+    def half_difference(t: int) -> Image:
+        return read_frame(frame_path(run, ERROR, frames[t]))[..., :3]
+
+    def score(name: str) -> Measurement:
+        test = _clip(run, record, name, frames)
+        error = half_difference if reference is not None else None
+        return measure(test, reference, domain=domain, reference_error=error, alignment=shared)
+
+    return score
 
 
-def _score_scales(run: Path, record: Record, name: str, *, has_reference: bool, domain: Domain) -> Measurement:
-    """Measure frames of different sizes as one-frame clips; scales are relative to the first, which is the largest."""
-    tests = [_clip(run, record, name, [frame]) for frame in record.frames]
-    references = [_clip(run, record, REFERENCE, [frame]) for frame in record.frames] if has_reference else None
-    heights = [clip.shape[0] for clip in tests]
-    return measure_scales(tests, references, [height / heights[0] for height in heights], domain=domain)
+def _scale_scorer(run: Path, record: Record, domain: Domain) -> Callable[[str], Measurement]:
+    """What measures frames of different sizes as one-frame clips; scales are relative to the first frame's."""
+    has_reference = REFERENCE in record.techniques
+
+    def clips(name: str) -> list[Clip]:
+        return [_clip(run, record, name, [frame]) for frame in record.frames]
+
+    references = clips(REFERENCE) if has_reference else None
+
+    def score(name: str) -> Measurement:
+        tests = clips(name)
+        heights = [clip.shape[0] for clip in tests]
+        return measure_scales(tests, references, [height / heights[0] for height in heights], domain=domain)
+
+    return score
+
+
+def _workers(record: Record) -> int:
+    """Techniques to measure at a time: as many as there are cores for, and memory."""
+    width, height = record.sequence["size"]
+    fit = MEMORY // int(width * height * BYTES_PER_PIXEL)
+    return max(1, min(len(os.sched_getaffinity(0)), fit))
 
 
 def _clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
     def picture(t: int) -> Image:
         return read_frame(frame_path(run, name, frames[t]))[..., :3]
 
-    def geometry(t: int) -> Path:
-        return frame_path(run, GEOMETRY, frames[t])
+    @lru_cache(maxsize=2)
+    def geometry(t: int) -> Geometry:
+        return read_geometry(frame_path(run, GEOMETRY, frames[t]))
 
     return Clip(
         frame=picture,
         count=len(frames),
         fps=record.sequence["fps"],
-        motion=_motion(run, record, frames),
-        coverage=lambda t: read_geometry(geometry(t)).coverage,
-        depth=lambda t: read_geometry(geometry(t)).depth,
+        motion=_uniform_motion(record, frames) or (lambda t: geometry(t).motion),
+        coverage=lambda t: geometry(t).coverage,
+        depth=lambda t: geometry(t).depth,
     )
 
 
-def _motion(run: Path, record: Record, frames: list[int]) -> Any:
-    """The clip's motion: exact where the whole picture moves alike, else the rendered fields.
+def _uniform_motion(record: Record, frames: list[int]) -> tuple[float, float] | None:
+    """The clip's motion, px a frame of the clip, where the whole picture moves alike.
 
-    Raises RunError where frames are left out, as the fields join each frame to the one just before it.
+    Raises RunError where it does not and frames are left out: the motion fields join each frame to the one before it.
     """
     steps = {after - before for before, after in pairwise(frames)}
     if record.uniform_velocity is not None and len(steps) <= 1:
-        step = next(iter(steps), 1)
-        return tuple(step * speed for speed in record.uniform_velocity)
+        step = max(steps, default=1)
+        return step * record.uniform_velocity[0], step * record.uniform_velocity[1]
     if steps - {1}:
-        raise RunError(f"{run}: frames are left out; motion needs every frame of a range, render them too")
-    return lambda t: read_geometry(frame_path(run, GEOMETRY, frames[t])).motion
+        raise RunError("frames are left out, and their motion with them; render every frame of the range")
+    return None
 
 
 def _entry(record: Record, technique: str, found: Measurement) -> dict[str, Any]:

@@ -57,7 +57,7 @@ def parse_frames(text: str, count: int) -> tuple[int, ...]:
     from fileseq.frameset import FrameSet
 
     try:
-        frames = tuple(sorted({int(frame) for frame in FrameSet(text)}))
+        frames = tuple(sorted({int(str(frame)) for frame in FrameSet(text)}))
     except (ParseException, ValueError) as error:
         raise RunError(f"--frames {text}: not a range of frames; write 0-31, 0-30x2 or 3,5") from error
     outside = [frame for frame in frames if not 0 <= frame < count]

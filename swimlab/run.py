@@ -41,7 +41,7 @@ def render_run(
     metadata = {"swimlab:hash": plan.digest(), "swimlab:version": __version__}
     with Launcher(threads=threads, device=device) as launcher:
         material = load_material(plan.sequence, launcher)
-        brdf = brdfs()[plan.sequence.scene.material.brdf].evaluate
+        brdf = brdfs()[plan.sequence.scene.material.brdf]
         record = open_record(plan, run, force=force, command=command)
         record.write(run)
         times: dict[str, list[float]] = {name: [] for name in plan.techniques}
@@ -57,6 +57,7 @@ def render_run(
                         started = time.perf_counter()
                         picture = _render(shot, name)
                         times[name].append(1e3 * (time.perf_counter() - started))
+                        _check_range(picture, name, frame, half=plan.half)
                         _keep_error(run, frame, picture, record, metadata)
                         write_frame(path, picture.rgba, half=plan.half, metadata=metadata)
                     record.techniques = _with(record.techniques, name, techniques())
@@ -82,13 +83,11 @@ def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
         resizes=plan.sequence.motion.resizes,
         provenance=provenance(command),
     )
-    if not (run / "run.json").exists():
-        return fresh
-    before = Record.read(run)
-    if before.hash == fresh.hash:
+    before = _earlier(run, force=force)
+    if before is not None and before.hash == fresh.hash:
         before.provenance = fresh.provenance
         return before
-    if not force:
+    if before is not None and not force:
         raise RunError(
             f"{run}: holds a run of other settings (hash {before.hash}, now {fresh.hash}); "
             "choose another folder with -o, or write over it with --force"
@@ -113,13 +112,30 @@ def rms_error(rgba: Image, error: Image) -> float:
     return float(np.sqrt(np.mean(np.square(error[covered][:, :3], dtype=np.float64)))) if covered.any() else 0.0
 
 
+def _earlier(run: Path, *, force: bool) -> Record | None:
+    """The record that the folder holds, if any; `force` goes over a broken one."""
+    if not (run / "run.json").exists():
+        return None
+    try:
+        return Record.read(run)
+    except RunError:
+        if force:
+            return None
+        raise
+
+
 def _render(shot: Shot, name: str) -> Picture:
     technique = techniques()[name]
     settings = technique.settings.model_validate(shot.sequence.techniques.get(name, {}))
-    picture = technique.render(shot, settings)
-    if not np.isfinite(picture.rgba).all():
-        raise RunError(f"{name}, frame {shot.frame}: came out with a NaN or Inf; look for extreme values in the maps")
-    return picture
+    return technique.render(shot, settings)
+
+
+def _check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:
+    brightest = float(np.abs(picture.rgba).max())
+    if not np.isfinite(brightest):
+        raise RunError(f"{name}, frame {frame}: came out with a NaN or Inf; look for extreme values in the maps")
+    if half and brightest > float(np.finfo(np.float16).max):
+        raise RunError(f"{name}, frame {frame}: is too bright for 16-bit floats (over 65504); render with --float")
 
 
 def _keep_error(run: Path, frame: int, picture: Picture, record: Record, metadata: dict[str, str]) -> None:

@@ -8,6 +8,8 @@ import numpy as np
 import warp as wp
 
 from sequences import Sequence, View
+from swimlab.brdf import Brdf
+from swimlab.kernels.packet import plain_packet
 from swimlab.kernels.structs import Grid, Sun
 from swimlab.launch import Launcher
 from swimlab.mesh import Mesh, road_mesh
@@ -20,13 +22,13 @@ class Shot:
     """A frame of a sequence before any technique has touched it.
 
     samples: the reference's samples a pixel, n x n.
-    brdf: the device function of the scene's reflectance model.
+    brdf: the scene's reflectance model.
     """
 
     sequence: Sequence
     frame: int
     material: MipChain
-    brdf: wp.Function
+    brdf: Brdf
     samples: int
     launcher: Launcher
 
@@ -45,6 +47,13 @@ class Shot:
         """The road on the screen."""
         width, height = self.sequence.size
         return on_screen(self.launcher, self.mesh, screen_projection(self.view.camera, height, width))
+
+    @property
+    def shade_packet(self) -> wp.Function:
+        """The shading of a packet of samples: native on the CPU where the model has such a form, else the plain one."""
+        if self.launcher.device == "cpu" and self.brdf.native is not None:
+            return self.brdf.native
+        return plain_packet(self.brdf.evaluate)
 
     @cached_property
     def sun(self) -> Any:

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict
 from swimlab.kernels.samples import shade_samples
 from swimlab.launch import Strip
 from swimlab.shot import Shot
-from swimlab.triangles import visibility
+from swimlab.triangles import Triangles, visibility
 
 Image = NDArray[np.float32]
 
@@ -65,28 +65,32 @@ def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered:
     size = (shot.view.height, shot.view.width)
     picture = launcher.empty(size, wp.vec4)
     error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
-    kernel = shade_samples(texture_filter, shot.brdf)
-    material, planes = shot.material, shot.triangles.planes
 
     def shade(strip: Strip) -> None:
-        visible = visibility(launcher, shot.triangles, grid, strip, n)
-        inputs = [
-            strip.first,
-            n,
-            grid,
-            visible,
-            planes,
-            material.texels,
-            material.shape,
-            shot.sun,
-            picture,
-            error,
-        ]
-        launcher.launch(kernel, (strip.rows, shot.view.width), inputs)
+        shade_strip(shot, texture_filter, shot.triangles, grid, strip, n, picture, error)
 
-    launcher.each(launcher.strips(shot.view.height), shade)
-    return Picture(_floats(picture), _floats(error) if n > 1 else None)
+    launcher.each(launcher.strips(size[0], n), shade)
+    return Picture(to_image(picture), to_image(error) if n > 1 else None)
 
 
-def _floats(picture: Any) -> Image:
+def shade_strip(
+    shot: Shot,
+    texture_filter: wp.Function,
+    triangles: Triangles,
+    grid: Any,
+    strip: Strip,
+    n: int,
+    picture: Any,
+    error: Any,
+) -> None:
+    """Rasterise and shade some rows of a picture: of the screen, or of a target in texture space."""
+    launcher, material = shot.launcher, shot.material
+    visible = visibility(launcher, triangles, grid, strip, n)
+    kernel = shade_samples(texture_filter, shot.shade_packet, n > 1)
+    inputs = [strip.first, n, grid, visible, triangles.planes, material.texels, material.shape, shot.sun]
+    launcher.launch(kernel, strip.rows, [*inputs, picture, error])
+
+
+def to_image(picture: Any) -> Image:
+    """A device picture [H, W] of 4-vectors as floats [H, W, 4]."""
     return np.asarray(picture.numpy(), np.float32)

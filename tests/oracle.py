@@ -1,7 +1,7 @@
 """An independent renderer of the flat road: rays and planes in double-precision numpy, no code shared with swimlab.
 
-It follows the written definitions (ray against plane, singular values from numpy, one image at a time), so that where both
-agree, conventions and formulas do.
+It follows the written definitions (ray against plane, singular values from numpy, one image at a time), so that where
+both agree, conventions and formulas do.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from sequences import Sequence
 
 @dataclass(frozen=True)
 class Oracle:
-    """The road of a sequence with given maps, as a picture is asked for: `maps` [n, n, 8], albedo, normal, Ks, power."""
+    """A frame of a sequence on a flat road with maps [n, n, 8]: albedo, normal, Ks, power."""
 
     sequence: Sequence
     maps: np.ndarray

@@ -54,7 +54,7 @@ def _render() -> str:
     technique = techniques()["pixel-aniso"]
     with Launcher() as launcher:
         started = time.perf_counter()
-        brdf = brdfs()[sequence.scene.material.brdf].evaluate
+        brdf = brdfs()[sequence.scene.material.brdf]
         shot = Shot(sequence, 0, load_material(sequence, launcher), brdf, 4, launcher)
         mean = float(technique.render(shot, technique.settings()).rgba[..., :3].mean())
     if not mean > 0:

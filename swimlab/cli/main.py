@@ -21,6 +21,7 @@ COMMANDS = {
 
 app = App(
     name="swimlab",
+    suppress_keyboard_interrupt=False,
     version=__version__,
     help="Measure temporal aliasing and swimming: tell a stable error from a flickering one.",
 )

@@ -22,9 +22,9 @@ def sample_position(grid: Grid, i: wp.int32, j: wp.int32) -> wp.vec2d:
     x = wp.float64(0.5)
     y = wp.float64(0.5)
     if grid.jittered == 1:
-        state = wp.rand_init(grid.seed, j * grid.width + i)
-        x = wp.float64(wp.randf(state))
-        y = wp.float64(wp.randf(state))
+        bits = wp.randu(wp.rand_init(grid.seed, j * grid.width + i))
+        x = (wp.float64(bits & wp.uint32(65535)) + x) / wp.float64(65536.0)
+        y = (wp.float64(bits >> wp.uint32(16)) + y) / wp.float64(65536.0)
     return wp.vec2d(
         grid.origin[0] + (wp.float64(i) + x) * grid.pitch[0],
         grid.origin[1] + (wp.float64(j) + y) * grid.pitch[1],

@@ -1,24 +1,25 @@
-"""Shading the samples of pixels: what pixel shading, supersampling and the reference have in common."""
+"""Shading the samples of a grid: what pixel shading, texture-space lighting and the reference have in common."""
 
 import functools
 
 import warp as wp
 
 from swimlab.kernels.footprint import surface_at
+from swimlab.kernels.packet import LANES, ROWS, put, radiance
 from swimlab.kernels.raster import sample_position
-from swimlab.kernels.shading import shade_with
 from swimlab.kernels.structs import Chain, Grid, Planes, Sun, Texel
+
+LANE_FLOATS = LANES * ROWS
 
 
 @functools.cache
-def shade_samples(texture_filter: wp.Function, brdf: wp.Function) -> wp.Kernel:
-    """The kernel that filters and shades every sample of each pixel and averages them.
+def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averages: bool) -> wp.Kernel:
+    """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
     `texture_filter(texels, chain, surface) -> Texel` is what sets one technique apart from another. A pixel is n x n
-    cells of the grid; misses count as 0, so that RGB is premultiplied by alpha. `error`, where it is not empty,
+    cells of the grid; misses count as 0, so that RGB is premultiplied by alpha. If it `averages` (n > 1), `error`
     receives half the difference between the means over the two colours of the cells' checkerboard.
     """
-    shade = shade_with(brdf)
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -33,25 +34,48 @@ def shade_samples(texture_filter: wp.Function, brdf: wp.Function) -> wp.Kernel:
         picture: wp.array2d(dtype=wp.vec4),
         error: wp.array2d(dtype=wp.vec4),
     ):
-        row, i = wp.tid()
-        even = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        odd = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        for y in range(n):
-            for x in range(n):
-                triangle = visible[row * n + y, i * n + x]
-                if triangle >= 0:
-                    p = sample_position(grid, i * n + x, (first_row + row) * n + y)
-                    surface = surface_at(planes[triangle], grid, p)
-                    colour = shade(texture_filter(texels, chain, surface), surface, sun)
-                    value = wp.vec4(colour[0], colour[1], colour[2], 1.0)
-                    if (x + y) % 2 == 0:
-                        even += value
-                    else:
-                        odd += value
+        row = wp.tid()
+        j = first_row + row
+        width = grid.width / n
+        lanes = wp.zeros(shape=(LANE_FLOATS,), dtype=wp.float32)
+        owner = wp.zeros(shape=(LANES,), dtype=wp.int32)
+        odd = wp.zeros(shape=(LANES,), dtype=wp.int32)
+        count = wp.int32(0)
         total = wp.float32(n * n)
-        picture[first_row + row, i] = (even + odd) / total
-        if error.shape[0] > 0:
-            half = wp.float32((n * n) // 2)
-            error[first_row + row, i] = (even / (total - half) - odd / half) * 0.5
+        half = wp.float32((n * n) / 2)
+        for i in range(width):
+            picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+            if averages:
+                error[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+        for y in range(row * n, (row + 1) * n):
+            pixel = wp.int32(0)
+            column = wp.int32(0)
+            for x in range(grid.width):
+                triangle = visible[y, x]
+                if triangle >= 0:
+                    surface = surface_at(planes[triangle], grid, sample_position(grid, x, first_row * n + y))
+                    put(lanes, count, texture_filter(texels, chain, surface), surface)
+                    owner[count] = pixel
+                    odd[count] = (column + y - row * n) & 1
+                    count += 1
+                column += 1
+                if column == n:
+                    column = wp.int32(0)
+                    pixel += 1
+                if count == LANES or (x == grid.width - 1 and y == (row + 1) * n - 1):
+                    shade_packet(lanes, sun)
+                    for lane in range(count):
+                        colour = radiance(lanes, lane)
+                        value = wp.vec4(colour[0], colour[1], colour[2], 1.0)
+                        if averages:
+                            picture[j, owner[lane]] += value
+                            error[j, owner[lane]] += wp.where(odd[lane] == 1, value / -half, value / (total - half))
+                        else:
+                            picture[j, owner[lane]] = value
+                    count = wp.int32(0)
+        if averages:
+            for i in range(width):
+                picture[j, i] = picture[j, i] / total
+                error[j, i] = error[j, i] * 0.5
 
     return kernel

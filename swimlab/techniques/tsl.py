@@ -5,6 +5,8 @@ alpha 0, reduced by a box to a mip chain, and read with full anisotropy; RGB is 
 """
 
 import functools
+from math import log2
+from queue import SimpleQueue
 
 import numpy as np
 import warp as wp
@@ -13,11 +15,10 @@ from pydantic import Field, field_validator
 from swimlab.kernels.footprint import surface_at
 from swimlab.kernels.raster import sample_position
 from swimlab.kernels.sampling import anisotropic, trilinear
-from swimlab.kernels.shading import shade_with
-from swimlab.kernels.structs import Chain, Grid, Planes, Sun, Texel
+from swimlab.kernels.structs import Chain, Grid, Planes, Surface, Texel
 from swimlab.launch import Strip
 from swimlab.shot import Shot
-from swimlab.technique import Picture, Settings, Technique
+from swimlab.technique import Picture, Settings, Technique, shade_strip, to_image
 from swimlab.texture import MipChain
 from swimlab.triangles import in_texture, visibility
 
@@ -37,33 +38,14 @@ class TslSettings(Settings):
 
 
 @functools.cache
-def shade_texels(brdf: wp.Function) -> wp.Kernel:
-    """The kernel that lights rows of a target; texels that no triangle covers are cleared to 0."""
-    shade = shade_with(brdf)
+def at_level(lod: float) -> wp.Function:
+    """The filter of the inputs: the map's chain at one level of detail."""
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        first_row: wp.int32,
-        grid: Grid,
-        lod: wp.float32,
-        visible: wp.array2d(dtype=wp.int32),
-        planes: wp.array(dtype=Planes),
-        texels: wp.array(dtype=Texel),
-        chain: Chain,
-        sun: Sun,
-        target: wp.array(dtype=wp.vec4),
-    ):
-        row, i = wp.tid()
-        j = first_row + row
-        colour = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        triangle = visible[row, i]
-        if triangle >= 0:
-            surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
-            light = shade(trilinear(texels, chain, lod, wp.vec2(surface.uv)), surface, sun)
-            colour = wp.vec4(light[0], light[1], light[2], 1.0)
-        target[j * grid.width + i] = colour
+    @wp.func(module="unique")
+    def level(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
+        return trilinear(texels, chain, lod, wp.vec2(surface.uv))
 
-    return kernel
+    return level
 
 
 @wp.kernel(enable_backward=False)
@@ -93,41 +75,41 @@ def paste(
 
 def render(shot: Shot, settings: TslSettings) -> Picture:
     """Light, reduce and paste one visible segment after another; one target is alive for each thread."""
-    launcher = shot.launcher
+    launcher, size = shot.launcher, settings.size
     grid = shot.grid()
-    whole = Strip(0, shot.view.height)
-    visible = visibility(launcher, shot.triangles, grid, whole)
+    visible = visibility(launcher, shot.triangles, grid, Strip(0, shot.view.height))
     seen = visible.numpy()
-    owner = np.where(seen >= 0, shot.mesh.segments[seen], shot.mesh.segments.min() - 1)
     first = int(shot.mesh.segments[0])
+    owner = np.where(seen >= 0, shot.mesh.segments[seen], first - 1)
     segments = launcher.array(shot.mesh.segments - first, wp.int32)
     picture = launcher.empty(seen.shape, wp.vec4)
     picture.zero_()
 
     target_grid = Grid()
-    target_grid.pitch = wp.vec2d(1.0 / settings.size, 1.0 / settings.size)
-    target_grid.width = target_grid.height = settings.size
+    target_grid.pitch = wp.vec2d(1.0 / size, 1.0 / size)
+    target_grid.width = target_grid.height = size
     finest = max(shot.material.shape.width, shot.material.shape.height)
-    lod = np.log2(finest / settings.size)
-    kernel = shade_texels(shot.brdf)
+    texture_filter = at_level(log2(finest / size))
+    no_error = launcher.empty((0, 0), wp.vec4)
+    idle: SimpleQueue[MipChain] = SimpleQueue()
+    for _ in range(launcher.threads):
+        idle.put(MipChain.allocate(launcher, width=size, height=size, dtype=wp.vec4, clamps=True))
 
     def light_and_paste(segment: int) -> None:
         triangles = in_texture(launcher, shot.mesh, segment)
-        target = MipChain.allocate(launcher, width=settings.size, height=settings.size, dtype=wp.vec4, clamps=True)
-        material = shot.material
-        for strip in launcher.strips(settings.size):
-            charted = visibility(launcher, triangles, target_grid, strip)
-            inputs = [strip.first, target_grid, lod, charted, triangles.planes]
-            inputs += [material.texels, material.shape, shot.sun, target.texels]
-            launcher.launch(kernel, (strip.rows, settings.size), inputs)
+        target = idle.get()
+        lit = target.texels[: size * size].reshape((size, size))
+        for strip in launcher.strips(size):
+            shade_strip(shot, texture_filter, triangles, target_grid, strip, 1, lit, no_error)
         target.reduce(launcher)
         rows = np.flatnonzero(np.any(owner == segment, axis=1))
         inputs = [int(rows[0]), grid, settings.anisotropy, segment - first, visible, segments]
         inputs += [shot.triangles.planes, target.texels, target.shape, picture]
         launcher.launch(paste, (int(rows[-1] - rows[0]) + 1, seen.shape[1]), inputs)
+        idle.put(target)
 
     launcher.each(np.unique(owner[seen >= 0]).tolist(), light_and_paste)
-    return Picture(np.asarray(picture.numpy(), np.float32))
+    return Picture(to_image(picture))
 
 
 TECHNIQUE = Technique(

@@ -132,7 +132,7 @@ def test_whole_frames_start_where_the_error_changes_most(run: Path) -> None:
     assert max(one_frame.frames) == FRAMES - 1
 
 
-@pytest.mark.parametrize("budget", [0, 60_000, 200_000, 400_000, 5_000_000])
+@pytest.mark.parametrize("budget", [0, 60_000, 200_000, 300_000, 500_000, 700_000, 5_000_000])
 def test_pictures_keep_to_the_budget_in_consecutive_frames(run: Path, budget: int) -> None:
     clips = choose_clips([open_run(run)], make_scores()["sequences"], budget)
     assert sum(clip.size() for clip in clips) <= budget
