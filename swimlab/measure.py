@@ -13,12 +13,10 @@ from typing import Any, Literal
 from metrics import Clip, Measurement, align, measure, measure_scales
 from swimlab.files import write_json, write_text
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
-from swimlab.record import VERSION, Record, RunError, provenance
+from swimlab.record import REFERENCE, VERSION, Record, RunError, provenance
 from swimlab.run import ERROR, GEOMETRY, check_complete
 
 Domain = Literal["linear", "display"]
-
-REFERENCE = "reference"
 
 MEMORY = 2_000_000_000
 """Bytes that measuring several techniques at a time may take."""

@@ -14,6 +14,9 @@ from swimlab.files import write_json
 VERSION = 1
 """Version of the format of run.json and scores.json."""
 
+REFERENCE = "reference"
+"""The technique that the others are measured against."""
+
 
 class RunError(ValueError):
     """A run that cannot be had as asked; the message says why and how to mend it."""

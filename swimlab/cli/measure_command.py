@@ -46,7 +46,8 @@ def measure_command(
 
 def measure_with_progress(run: Path, domain: Domain, *, quiet: bool) -> dict[str, Any]:
     """Measure a run, showing how far it is."""
-    from swimlab.measure import REFERENCE, measure_run
+    from swimlab.measure import measure_run
+    from swimlab.record import REFERENCE
 
     record = Record.read(run)
     tests = [name for name in record.techniques if name != REFERENCE]

@@ -10,7 +10,8 @@ from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.cli.report_command import merge_scores
 from swimlab.files import write_json
-from swimlab.measure import REFERENCE, Domain
+from swimlab.measure import Domain
+from swimlab.record import REFERENCE
 
 ROAD = ("road-shift", "road-drive", "road-scale")
 SHEET_FRAMES = 3
@@ -54,7 +55,8 @@ def study_command(
         write_json(output / "scores.json", merged)
     write_report(folders, merged, output / "report.html")
     for plan, run in zip(plans, folders, strict=True):
-        write_contact_sheet(run, run / "contact.png", techniques=names, frames=plan.frames[:SHEET_FRAMES])
+        rows = sorted(names, key=lambda name: name == REFERENCE)
+        write_contact_sheet(run, run / "contact.png", techniques=rows, frames=plan.frames[:SHEET_FRAMES])
     print_scores(all_scores)
     print(output / "report.html")
     return 0

@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 
 from swimlab.frames import Image, frame_path, read_frame
+from swimlab.record import REFERENCE
 from swimlab.report.display import error_codes, srgb, webp
-from swimlab.report.recorded import REFERENCE, Run
+from swimlab.report.recorded import Run
 
 BUDGET = 18_500_000
 DETAIL_SIZE = (96, 64)

@@ -1,13 +1,13 @@
 """The contact sheet, a PNG: a technique a row, its whole frame and one enlarged detail in several frames."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from swimlab.frames import frame_path, read_frame
+from swimlab.files import replacing
+from swimlab.frames import Image, frame_path, read_frame
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import Picture, srgb
 from swimlab.report.recorded import ReportError, Run, open_run
@@ -27,6 +27,7 @@ def write_contact_sheet(run: Path, destination: Path, *, techniques: Sequence[st
 
     Rows are techniques. The first column is the whole of the first frame, shrunk by area averaging, with the
     detail outlined; then comes one column per frame with the detail enlarged ENLARGED times, pixel by pixel.
+    Exposure is the same for all, set by the last technique (the reference, as a rule).
     Size: NAMES + (1 + len(frames)) (CELL width + GAP) by HEADER + len(techniques) (CELL height + GAP) px.
     Raises ReportError where the run lacks a technique or a frame.
     """
@@ -35,18 +36,27 @@ def write_contact_sheet(run: Path, destination: Path, *, techniques: Sequence[st
     region = disputed_region(opened, frames[0], (CELL[0] // ENLARGED, CELL[1] // ENLARGED))
     sheet = np.empty((HEADER + len(techniques) * (CELL[1] + GAP), column(1 + len(frames)), 3), np.uint8)
     sheet[:] = PAPER
-    for place, heading in enumerate(["whole frame", *(f"frame {frame}, x{ENLARGED}" for frame in frames)]):
+    stops = exposure(read_frame(frame_path(run, techniques[-1], frames[0])))
+    for place, heading in enumerate(
+        [f"whole frame, {stops:+d} EV", *(f"frame {frame}, x{ENLARGED}" for frame in frames)]
+    ):
         write(sheet, heading, (column(place), HEADER - 8))
     for row, name in enumerate(techniques):
         top = HEADER + row * (CELL[1] + GAP)
         write(sheet, name, (6, top + CELL[1] // 2))
-        pictures = [srgb(read_frame(frame_path(run, name, frame))[..., :3]) for frame in frames]
+        pictures = [srgb(2.0**stops * read_frame(frame_path(run, name, frame))[..., :3]) for frame in frames]
         for place, cell in enumerate([overview(pictures[0], region), *(enlarge(p, region) for p in pictures)]):
             sheet[top : top + CELL[1], column(place) : column(place) + CELL[0]] = cell
-    temporary = destination.with_name(f".{destination.name}.{os.getpid()}.tmp")
     _, encoded = cv2.imencode(".png", np.ascontiguousarray(sheet[..., ::-1]), [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    temporary.write_bytes(encoded.tobytes())
-    temporary.replace(destination)
+    with replacing(destination) as temporary:
+        temporary.write_bytes(encoded.tobytes())
+
+
+def exposure(rgba: Image) -> int:
+    """Stops (factors of two) that bring the 98th percentile of a picture's covered radiance just below 1."""
+    seen = rgba[rgba[..., 3] > 0][:, :3]
+    bright = float(np.percentile(seen, 98)) if len(seen) else 0.0
+    return int(np.floor(-np.log2(bright))) if bright > 0 else 0
 
 
 def column(place: int) -> int:

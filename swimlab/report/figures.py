@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from swimlab.record import REFERENCE
 from swimlab.report.charts import Axis, Bar, Line, line_chart, stacked_bars
 from swimlab.report.palette import PARTS, Ink
-from swimlab.report.recorded import REFERENCE
 
 Entry = Mapping[str, Any]
 

@@ -1,7 +1,6 @@
 """The report page: scores, pictures, charts and provenance in one HTML file that needs no network."""
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -11,21 +10,23 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
+from swimlab.files import write_text
+from swimlab.record import REFERENCE
 from swimlab.report.clips import BUDGET, Clip, choose_clips
 from swimlab.report.display import ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures
 from swimlab.report.palette import Ink, inks
-from swimlab.report.recorded import REFERENCE, ReportError, Run, open_run
+from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 
 
 def write_report(
     runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int = BUDGET
 ) -> None:
-    """Write the page of one or more run folders, one sequence each: a temporary file, then a rename.
+    """Write the page of one or more run folders, one sequence each, whole or not at all.
 
     scores: the content of scores.json. picture_budget: bytes of embedded pictures, all runs together.
-    Raises ReportError for a folder without run.json or for scores that hold NaN or infinity, and FrameError
+    Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity, and FrameError
     for a missing frame.
     """
     _refuse_nan(scores)
@@ -48,9 +49,7 @@ def write_report(
             script=Markup(_static("pictures.js") + _static("viewer.js")),
         )
     )
-    temporary = destination.with_name(f".{destination.name}.{os.getpid()}.tmp")
-    temporary.write_text(page, encoding="utf-8")
-    temporary.replace(destination)
+    write_text(destination, page)
 
 
 def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]]) -> str:

@@ -7,7 +7,7 @@ when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from swimlab.report.recorded import REFERENCE
+from swimlab.record import REFERENCE
 
 
 class Ink(NamedTuple):

@@ -1,15 +1,14 @@
-"""What a run folder says about itself, read from its run.json."""
+"""What the report needs to know of a run folder."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-REFERENCE = "reference"
+from swimlab.record import REFERENCE, Record
 
 
 class ReportError(ValueError):
-    """A run folder from which no report can be made; the message names the file and how to mend it."""
+    """What no report can be made from; the message says where and how to mend it."""
 
 
 @dataclass(frozen=True)
@@ -24,34 +23,20 @@ class Run:
     milliseconds: dict[str, float]
     settings: dict[str, Any]
     provenance: dict[str, Any]
-
-    @property
-    def resizes(self) -> bool:
-        """Whether every frame has its own size."""
-        return bool(self.settings.get("motion", {}).get("kind") == "scale")
+    resizes: bool
 
 
 def open_run(folder: Path) -> Run:
-    """Read RUN/run.json. Raises ReportError where it is missing or lacks a key."""
-    path = folder / "run.json"
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        settings = content["sequence"]
-        techniques = [name for name in content["techniques"] if name != REFERENCE]
-        if (folder / REFERENCE).is_dir():
-            techniques.append(REFERENCE)
-        times = content.get("times", {})
-        return Run(
-            folder=folder,
-            sequence=settings["name"],
-            fps=float(settings.get("fps", 60)),
-            techniques=tuple(techniques),
-            frames=tuple(content["frames"]),
-            milliseconds={n: float(t["ms_per_frame"]) for n, t in times.items() if "ms_per_frame" in t},
-            settings=settings,
-            provenance=content.get("provenance", {}),
-        )
-    except FileNotFoundError:
-        raise ReportError(f"{path}: is missing; name a run folder that `swimlab render` or `study` wrote") from None
-    except (ValueError, KeyError, TypeError) as problem:
-        raise ReportError(f"{path}: is not a run description ({problem!r}); render the run again") from problem
+    """Read RUN/run.json. Raises RunError where it is missing or damaged."""
+    record = Record.read(folder)
+    return Run(
+        folder=folder,
+        sequence=record.sequence["name"],
+        fps=float(record.sequence["fps"]),
+        techniques=tuple(sorted(record.techniques, key=lambda name: (name == REFERENCE, name))),
+        frames=tuple(record.frames),
+        milliseconds={name: time["ms_per_frame"] for name, time in record.times.items()},
+        settings=record.sequence,
+        provenance=record.provenance,
+        resizes=record.resizes,
+    )

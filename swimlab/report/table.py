@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from metrics import METRICS
+from swimlab.record import REFERENCE
 from swimlab.report.charts import number
-from swimlab.report.recorded import REFERENCE
 
 Entry = Mapping[str, Any]
 Scores = Mapping[str, float]

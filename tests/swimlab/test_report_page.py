@@ -12,6 +12,7 @@ import pytest
 
 from metrics import METRICS
 from swimlab.frames import FrameError, frame_path, read_frame, write_frame
+from swimlab.record import RunError
 from swimlab.report.clips import choose_clips, disputed_region
 from swimlab.report.contact import CELL, ENLARGED, GAP, HEADER, NAMES, write_contact_sheet
 from swimlab.report.display import srgb
@@ -34,11 +35,16 @@ def make_run(folder: Path, *, sequence: str = "road-shift", techniques: tuple[st
             rgba[..., 3] = 1
             write_frame(frame_path(folder, name, frame), rgba, half=False, metadata={})
     run = {
+        "version": 1,
+        "hash": "5e771465",
+        "settings": {},
+        "uniform_velocity": None,
+        "resizes": False,
         "sequence": {"name": sequence, "fps": 30, "size": SIZE, "motion": {"kind": "shift"}},
         "techniques": list(techniques),
         "frames": list(range(FRAMES)),
-        "provenance": {"settings_hash": "5e771465"},
-        "times": {name: {"ms_per_frame": 12.5} for name in techniques},
+        "provenance": {"hash": "5e771465"},
+        "times": {name: {"ms_per_frame": 12.5, "frames": 4} for name in techniques},
     }
     (folder / "run.json").write_text(json.dumps(run), encoding="utf-8")
     return folder
@@ -193,7 +199,7 @@ def test_a_missing_frame_leaves_the_old_page_alone(tmp_path: Path) -> None:
 def test_a_folder_that_is_no_run_is_named(tmp_path: Path, content: str | None) -> None:
     if content is not None:
         (tmp_path / "run.json").write_text(content, encoding="utf-8")
-    with pytest.raises(ReportError, match=r"run\.json: is .*(render|run)"):
+    with pytest.raises(RunError, match=r"run\.json: is .*(render|run)"):
         write_report([tmp_path], make_scores(), tmp_path / "report.html")
 
 
