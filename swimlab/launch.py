@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from typing import Any, NamedTuple, TypeVar
 
 import warp as wp
@@ -40,6 +41,8 @@ class Launcher:
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
         self.threads = threads or len(os.sched_getaffinity(0))
+        self._loaded: set[wp.Kernel] = set()
+        self._loading = Lock()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
     def close(self) -> None:
@@ -70,7 +73,13 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
-        wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+        if kernel in self._loaded:
+            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            return
+        # Building and loading a kernel is not safe in several threads at once.
+        with self._loading:
+            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            self._loaded.add(kernel)
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""

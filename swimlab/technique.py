@@ -61,34 +61,32 @@ def pixel_shading(texture_filter: TextureFilter) -> Callable[[Shot, Any], Pictur
 def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered: bool = False) -> Picture:
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher = shot.launcher
-    grid = shot.grid(n, jittered=jittered)
     size = (shot.view.height, shot.view.width)
     picture = launcher.empty(size, wp.vec4)
     error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
-
-    def shade(strip: Strip) -> None:
-        shade_strip(shot, texture_filter, shot.triangles, grid, strip, n, picture, error)
-
-    launcher.each(launcher.strips(size[0], n), shade)
+    shade = shade_grid(shot, texture_filter, shot.grid(n, jittered=jittered), n)
+    triangles = shot.triangles
+    launcher.each(launcher.strips(size[0], n), lambda strip: shade(triangles, strip, picture, error))
     return Picture(to_image(picture), to_image(error) if n > 1 else None)
 
 
-def shade_strip(
-    shot: Shot,
-    texture_filter: wp.Function,
-    triangles: Triangles,
-    grid: Any,
-    strip: Strip,
-    n: int,
-    picture: Any,
-    error: Any,
-) -> None:
-    """Rasterise and shade some rows of a picture: of the screen, or of a target in texture space."""
-    launcher, material = shot.launcher, shot.material
-    visible = visibility(launcher, triangles, grid, strip, n)
+def shade_grid(
+    shot: Shot, texture_filter: wp.Function, grid: Any, n: int
+) -> Callable[[Triangles, Strip, Any, Any], None]:
+    """What rasterises and shades a strip of a grid, of the screen or of a target in texture space.
+
+    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), which it fills; kernels are made
+    here, once, and not in the threads that call it.
+    """
+    launcher, chain, texels, sun = shot.launcher, shot.material.shape, shot.material.texels, shot.sun
     kernel = shade_samples(texture_filter, shot.shade_packet, n > 1)
-    inputs = [strip.first, n, grid, visible, triangles.planes, material.texels, material.shape, shot.sun]
-    launcher.launch(kernel, strip.rows, [*inputs, picture, error])
+
+    def shade(triangles: Triangles, strip: Strip, picture: Any, error: Any) -> None:
+        visible = visibility(launcher, triangles, grid, strip, n)
+        inputs = [strip.first, n, grid, visible, triangles.planes, texels, chain, sun, picture, error]
+        launcher.launch(kernel, strip.rows, inputs)
+
+    return shade
 
 
 def to_image(picture: Any) -> Image:

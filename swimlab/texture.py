@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from swimlab.kernels.mip import halve
+from swimlab.kernels.mip import HALVE
 from swimlab.kernels.structs import Chain
 from swimlab.launch import Launcher
 
@@ -35,4 +35,4 @@ class MipChain:
         """Fill every level from level 0 by 2x2 means."""
         for level in range(1, self.shape.levels):
             size = (max(self.shape.height >> level, 1), max(self.shape.width >> level, 1))
-            launcher.launch(halve, size, [level, self.shape, self.texels])
+            launcher.launch(HALVE[self.texels.dtype], size, [level, self.shape, self.texels])

@@ -5,7 +5,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.kernels.sampling import fetch
-from swimlab.kernels.structs import Chain
+from swimlab.kernels.structs import Chain, Texel
 
 wp.set_module_options({"enable_backward": False})
 
@@ -20,3 +20,10 @@ def halve(level: wp.int32, chain: Chain, texels: wp.array(dtype=Any)):
     total = fetch(texels, chain, below, 2 * i, 2 * j) + fetch(texels, chain, below, right, 2 * j)
     total += fetch(texels, chain, below, 2 * i, lower) + fetch(texels, chain, below, right, lower)
     texels[chain.offsets[level] + j * wp.max(chain.width >> level, 1) + i] = total * 0.25
+
+
+HALVE = {
+    dtype: wp.overload(halve, {"level": wp.int32, "chain": Chain, "texels": wp.array(dtype=dtype)})
+    for dtype in (Texel, wp.vec4)
+}
+"""`halve` for the material's texels and for light with alpha."""

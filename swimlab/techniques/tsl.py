@@ -18,7 +18,7 @@ from swimlab.kernels.sampling import anisotropic, trilinear
 from swimlab.kernels.structs import Chain, Grid, Planes, Surface, Texel
 from swimlab.launch import Strip
 from swimlab.shot import Shot
-from swimlab.technique import Picture, Settings, Technique, shade_strip, to_image
+from swimlab.technique import Picture, Settings, Technique, shade_grid, to_image
 from swimlab.texture import MipChain
 from swimlab.triangles import in_texture, visibility
 
@@ -89,24 +89,29 @@ def render(shot: Shot, settings: TslSettings) -> Picture:
     target_grid.pitch = wp.vec2d(1.0 / size, 1.0 / size)
     target_grid.width = target_grid.height = size
     finest = max(shot.material.shape.width, shot.material.shape.height)
-    texture_filter = at_level(log2(finest / size))
+    light = shade_grid(shot, at_level(log2(finest / size)), target_grid, 1)
     no_error = launcher.empty((0, 0), wp.vec4)
     idle: SimpleQueue[MipChain] = SimpleQueue()
     for _ in range(launcher.threads):
         idle.put(MipChain.allocate(launcher, width=size, height=size, dtype=wp.vec4, clamps=True))
 
     def light_and_paste(segment: int) -> None:
-        triangles = in_texture(launcher, shot.mesh, segment)
         target = idle.get()
+        try:
+            fill(segment, target)
+        finally:
+            idle.put(target)
+
+    def fill(segment: int, target: MipChain) -> None:
+        triangles = in_texture(launcher, shot.mesh, segment)
         lit = target.texels[: size * size].reshape((size, size))
         for strip in launcher.strips(size):
-            shade_strip(shot, texture_filter, triangles, target_grid, strip, 1, lit, no_error)
+            light(triangles, strip, lit, no_error)
         target.reduce(launcher)
         rows = np.flatnonzero(np.any(owner == segment, axis=1))
         inputs = [int(rows[0]), grid, settings.anisotropy, segment - first, visible, segments]
         inputs += [shot.triangles.planes, target.texels, target.shape, picture]
         launcher.launch(paste, (int(rows[-1] - rows[0]) + 1, seen.shape[1]), inputs)
-        idle.put(target)
 
     launcher.each(np.unique(owner[seen >= 0]).tolist(), light_and_paste)
     return Picture(to_image(picture))
