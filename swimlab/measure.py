@@ -10,6 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from metrics import Clip, Measurement, align, measure, measure_scales
 from swimlab.files import write_json, write_text
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
@@ -22,6 +24,8 @@ MEMORY = 2_000_000_000
 """Bytes that measuring several techniques at a time may take."""
 BYTES_PER_PIXEL = 1500
 """Memory that measuring one clip takes for each pixel of a frame (1300 measured at 640x360, half covered)."""
+ALPHA_ROUNDING = 1e-3
+"""Alpha is kept as a half: it is 1 within this."""
 KEPT_BYTES = 256_000_000
 """Bytes of alignment that are kept for the next technique; a longer clip is aligned anew for each."""
 
@@ -124,12 +128,20 @@ def _clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
     def geometry(t: int) -> Geometry:
         return read_geometry(frame_path(run, GEOMETRY, frames[t]))
 
+    def coverage(t: int) -> Image:
+        covered = geometry(t).coverage
+        if REFERENCE not in record.techniques:
+            return covered
+        # A pixel filter wider than a pixel takes in what lies beside the road.
+        alpha = read_frame(frame_path(run, REFERENCE, frames[t]))[..., 3]
+        return np.where(np.abs(alpha - 1.0) < ALPHA_ROUNDING, covered, 0.0).astype(np.float32)
+
     return Clip(
         frame=picture,
         count=len(frames),
         fps=record.sequence["fps"],
         motion=_uniform_motion(record, frames) or (lambda t: geometry(t).motion),
-        coverage=lambda t: geometry(t).coverage,
+        coverage=coverage,
         depth=lambda t: geometry(t).depth,
     )
 

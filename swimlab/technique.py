@@ -70,20 +70,30 @@ def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered:
     return Picture(to_image(picture), to_image(error) if n > 1 else None)
 
 
-def shade_grid(
-    shot: Shot, texture_filter: wp.Function, grid: Any, n: int
-) -> Callable[[Triangles, Strip, Any, Any], None]:
+def shade_grid(shot: Shot, texture_filter: wp.Function, grid: Any, n: int) -> Callable[..., None]:
     """What rasterises and shades a strip of a grid, of the screen or of a target in texture space.
 
-    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), which it fills; kernels are made
-    here, once, and not in the threads that call it.
+    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), and fills rows of the latter two from
+    `row` on (default: the strip's own). Kernels are made here, once, and not in the threads that call it.
     """
     launcher, chain, texels, sun = shot.launcher, shot.material.shape, shot.material.texels, shot.sun
     kernel = shade_samples(texture_filter, shot.shade_packet, n > 1)
 
-    def shade(triangles: Triangles, strip: Strip, picture: Any, error: Any) -> None:
+    def shade(triangles: Triangles, strip: Strip, picture: Any, error: Any, *, row: int | None = None) -> None:
         visible = visibility(launcher, triangles, grid, strip, n)
-        inputs = [strip.first, n, grid, visible, triangles.planes, texels, chain, sun, picture, error]
+        inputs = [
+            strip.first,
+            strip.first if row is None else row,
+            n,
+            grid,
+            visible,
+            triangles.planes,
+            texels,
+            chain,
+            sun,
+            picture,
+            error,
+        ]
         launcher.launch(kernel, strip.rows, inputs)
 
     return shade

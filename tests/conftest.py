@@ -27,6 +27,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "derivative by differences": Tolerance(1e-6, "central differences over 1e-4 px where a pixel is 1 m and less"),
     "filter in float32": Tolerance(4e-5, "values of 0..1: uv of up to 3 in float32 are off by 2e-5 of a texel of 64"),
     "weights in float32": Tolerance(1e-6, "weights that sum to 1, up to 16 probes"),
+    "cubic in float32": Tolerance(3e-6, "terms of up to 10 that cancel: 1.1e-6 measured"),
     "mip in float32": Tolerance(1e-6, "six or seven means of four, values of 0..1"),
     "power of a cosine": Tolerance(5e-6, "float32 cross product of general unit vectors: sqrt(p) 2e-8, p up to 1e5"),
     "power of a cosine about z": Tolerance(2e-7, "as above where the cross product does not cancel: 7e-8 measured"),
@@ -77,6 +78,8 @@ TOLERANCES: dict[str, Tolerance] = {
     "rounding of means": Tolerance(1e-6, "relative"),
     "unwarped glued": Tolerance(1e-4, "share of the energy; a quintic spline at .3 cycles/px, 2e-6 measured"),
     "correspondence": Tolerance(1e-3, "px; four fields in float32, inverted to 1e-4 px each"),
+    "published FLIP": Tolerance(5e-5, "float32 transforms: OpenImageIO is off by 4.3e-5"),
+    "two FLIPs": Tolerance(1e-3, "two implementations in float32"),
 }
 
 

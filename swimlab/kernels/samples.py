@@ -17,13 +17,15 @@ def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averag
     """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
     `texture_filter(texels, chain, surface) -> Texel` is what sets one technique apart from another. A pixel is n x n
-    cells of the grid; misses count as 0, so that RGB is premultiplied by alpha. If it `averages` (n > 1), `error`
-    receives half the difference between the means over the two colours of the cells' checkerboard.
+    cells of the grid; row `first_row` of pixels is written to row `picture_row`. Misses count as 0, so that RGB is
+    premultiplied by alpha. If it `averages` (n > 1), `error` receives half the difference between the means over the
+    two colours of the cells' checkerboard.
     """
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first_row: wp.int32,
+        picture_row: wp.int32,
         n: wp.int32,
         grid: Grid,
         visible: wp.array2d(dtype=wp.int32),
@@ -35,7 +37,7 @@ def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averag
         error: wp.array2d(dtype=wp.vec4),
     ):
         row = wp.tid()
-        j = first_row + row
+        j = picture_row + row
         width = grid.width / n
         lanes = wp.zeros(shape=(LANE_FLOATS,), dtype=wp.float32)
         owner = wp.zeros(shape=(LANES,), dtype=wp.int32)

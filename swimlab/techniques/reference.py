@@ -1,15 +1,57 @@
 """The truth: shade many jittered samples a pixel from the finest level, then average, and estimate its own error."""
 
 from math import isqrt
+from typing import Any, Literal
 
+import warp as wp
+from pydantic import Field
+
+from swimlab.kernels.pixel_filter import FILTERS, gather_with
+from swimlab.launch import Strip
 from swimlab.shot import Shot
-from swimlab.technique import Picture, Settings, Technique, render_samples
+from swimlab.technique import Picture, Settings, Technique, render_samples, shade_grid, to_image
 from swimlab.techniques.pixel_bilinear import finest
 
 
-def render(shot: Shot, settings: Settings) -> Picture:
+class ReferenceSettings(Settings):
+    """What a pixel is the average of."""
+
+    filter: Literal["box", "gaussian", "mitchell"] = Field(
+        "box", description="pixel filter: box (1 px wide), gaussian (sigma 1/2 px) or mitchell (B = C = 1/3)"
+    )
+
+
+def render(shot: Shot, settings: ReferenceSettings) -> Picture:
     """n x n stratified samples a pixel, n^2 = `shot.samples`; the same sub-pixel places in every frame."""
-    return render_samples(shot, finest, n=isqrt(shot.samples), jittered=True)
+    n = isqrt(shot.samples)
+    if settings.filter == "box":
+        return render_samples(shot, finest, n=n, jittered=True)
+    return render_filtered(shot, settings.filter, n)
+
+
+def render_filtered(shot: Shot, name: str, n: int) -> Picture:
+    """Shade the samples of the picture and of a margin around it, strip by strip, and gather them into pixels."""
+    launcher, view = shot.launcher, shot.view
+    weight, reach = FILTERS[name]
+    gather = gather_with(weight, reach)
+    grid: Any = shot.grid(n, jittered=True)
+    grid.origin = wp.vec2d(view.origin[0] - reach * view.pitch[0], view.origin[1] - reach * view.pitch[1])
+    grid.width, grid.height = (view.width + 2 * reach) * n, (view.height + 2 * reach) * n
+    picture = launcher.empty((view.height, view.width), wp.vec4)
+    error = launcher.empty((view.height, view.width), wp.vec4)
+    nothing = launcher.empty((0, 0), wp.vec4)
+    shade = shade_grid(shot, finest, grid, 1)
+    triangles = shot.triangles
+
+    def fill(strip: Strip) -> None:
+        rows = (strip.rows + 2 * reach) * n
+        cells = launcher.empty((rows, grid.width), wp.vec4)
+        shade(triangles, Strip(strip.first * n, rows), cells, nothing, row=0)
+        inputs = [strip.first, n, grid, cells, picture, error]
+        launcher.launch(gather, (strip.rows, view.width), inputs)
+
+    launcher.each(launcher.strips(view.height), fill)
+    return Picture(to_image(picture), to_image(error))
 
 
 TECHNIQUE = Technique(
@@ -17,4 +59,5 @@ TECHNIQUE = Technique(
     summary="stratified supersampling of the shading itself",
     source="Cook 1986, Stochastic Sampling in Computer Graphics",
     render=render,
+    settings=ReferenceSettings,
 )
