@@ -9,12 +9,22 @@ import numpy as np
 
 from swimlab import __version__
 from swimlab.catalogue import brdfs, techniques
-from swimlab.frames import FrameError, Image, frame_path, write_channels, write_frame, write_geometry
+from swimlab.frames import (
+    COLOUR,
+    FrameError,
+    Image,
+    frame_path,
+    read_channels,
+    read_frame,
+    write_channels,
+    write_frame,
+    write_geometry,
+)
 from swimlab.geometry import describe_geometry
 from swimlab.launch import Launcher
 from swimlab.material import load_material
 from swimlab.plan import Plan
-from swimlab.record import Record, RunError, provenance
+from swimlab.record import REFERENCE, Record, RunError, provenance
 from swimlab.shot import Shot
 from swimlab.technique import Picture
 
@@ -60,6 +70,8 @@ def render_run(
                         _check_range(picture, name, frame, half=plan.half)
                         _keep_error(run, frame, picture, record, metadata)
                         write_frame(path, picture.rgba, half=plan.half, metadata=metadata)
+                    elif name == REFERENCE:
+                        _recall_error(run, frame, record)
                     record.techniques = _with(record.techniques, name, techniques())
                     advance(name)
                 record.frames = sorted({*record.frames, frame})
@@ -141,9 +153,16 @@ def _check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None
 def _keep_error(run: Path, frame: int, picture: Picture, record: Record, metadata: dict[str, str]) -> None:
     if picture.error is None:
         return
-    channels = ("R", "G", "B", "A")
-    write_channels(frame_path(run, ERROR, frame), picture.error, channels, half=False, metadata=metadata)
+    write_channels(frame_path(run, ERROR, frame), picture.error, COLOUR, half=False, metadata=metadata)
     record.reference_rms_error[str(frame)] = rms_error(picture.rgba, picture.error)
+
+
+def _recall_error(run: Path, frame: int, record: Record) -> None:
+    """Note the error of a reference that an earlier call wrote, where that call was killed before it could."""
+    path = frame_path(run, ERROR, frame)
+    if str(frame) not in record.reference_rms_error and path.exists():
+        error = read_channels(path, COLOUR)
+        record.reference_rms_error[str(frame)] = rms_error(read_frame(frame_path(run, REFERENCE, frame)), error)
 
 
 def _with(names: list[str], name: str, order: Iterable[str]) -> list[str]:

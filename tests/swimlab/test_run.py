@@ -131,6 +131,19 @@ def test_an_interrupt_leaves_whole_files_and_is_resumed(sequence, tmp_path, whol
     assert Record.read(tmp_path).frames == [0, 1, 2]
 
 
+def test_a_killed_run_has_its_stated_error_noted_on_resuming(sequence, tmp_path, tolerance):
+    """A kill leaves pictures and the run.json of the start, which lists none of them."""
+    plan = plan_of(sequence, techniques=("reference",))
+    noted = render_run(plan, tmp_path).reference_rms_error
+    assert len(noted) == 3
+    fresh = Record.read(tmp_path)
+    fresh.frames, fresh.techniques, fresh.reference_rms_error = [], [], {}
+    fresh.write(tmp_path)
+    resumed = render_run(plan, tmp_path)
+    assert resumed.reference_rms_error == pytest.approx(noted, rel=tolerance("half float"))
+    assert resumed.frames == [0, 1, 2]
+
+
 def test_force_renders_anew(sequence, tmp_path):
     plan = plan_of(sequence, techniques=("pixel-point",), frames=(0, 1))
     render_run(plan, tmp_path)
