@@ -3,6 +3,7 @@
 At every point of the surface mean_t e^2 = (mean_t e)^2 + var_t e. In surface-locked spectra the first term splits
 orthogonally at |k| = CUT into the error of a neighbourhood's mean (bias) and lost or false detail; the second is
 flicker, with the population variance. So a constant span of T frames takes 1/T of a pure noise's energy as static.
+The curve `budget.bands` has the static part and flicker by octave of |k|; both together add up to the squared error.
 """
 
 from collections import defaultdict
@@ -11,11 +12,14 @@ import numpy as np
 
 from metrics.bands import BANDS, describe
 from metrics.measurement import Context, Measurement, Metric
+from metrics.parts import pieces
+from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import Batch, RunningMean, energy
+from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy, octave_energy
+from metrics.tiles import Level
 
 CUT = 1 / 16
-"""Cycles/px at which detail begins."""
+"""Cycles/px at which detail begins; an octave begins there too."""
 
 PARTS = {
     "mse": "squared error of the radiance",
@@ -40,74 +44,93 @@ SCORES = {
 
 
 class Budget:
-    """Error energies of all tiles, in total and by band of distance."""
+    """Error energies of all tiles, in total, by octave, and by band of distance."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._totals: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
-        self._frames: list[dict[str, float]] = []
+        self._ratios: dict[str, Ratios] = defaultdict(Ratios)
+        self._frames: dict[int, dict[str, float]] = {}
+
+    def held(self, level: Level) -> float:
+        return (1 + self._context.has_reference) * level.held
 
     def begin(self, span: Span) -> None:
         self._span = span
-        self._running = RunningMean(span)
-        self._last = [np.zeros_like(mean) for mean in self._running.mean]
-        self._squared = [np.zeros(level.count) for level in span.levels]
-        self._noise = [np.zeros(level.count) for level in span.levels]
-        self._weight = [0.0 for _ in span.levels]
+        self._last = [np.zeros((lv.count, 3, *lv.spectrum_shape), dtype=np.complex64) for lv in span.levels]
+        self._running = RunningMean(span, octaves=True) if self._context.has_reference else None
+        self._squared, self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(3))
+        # Sums over a piece's tiles, frame by frame.
+        self._sums = {name: np.zeros((span.count, len(pieces(span)))) for name in ("weight", "mse", "change")}
 
     def add(self, batch: Batch) -> None:
-        self._frame(batch)
-        if batch.error is None or batch.pixel_energy is None:
-            return
-        self._running.add(batch, batch.error)
-        self._squared[batch.level][batch.tiles] += batch.pixel_energy.sum(axis=1)
-        if batch.floor_energy is not None:
-            self._noise[batch.level][batch.tiles] += batch.floor_energy.sum(axis=1)
-        if batch.tiles.start == 0:
-            self._weight[batch.level] += 3 * batch.weight
-
-    def _frame(self, batch: Batch) -> None:
-        """Sum up the frame's own error and its change since the previous frame."""
-        if not self._frames or self._frames[-1]["frame"] != batch.frame:
-            self._frames.append({"frame": batch.frame, "weight": 0.0, "mse": 0.0})
-        entry = self._frames[-1]
+        row = (batch.frame - self._span.start, batch.piece)
+        self._sums["weight"][row] = 3 * batch.weight * len(batch.test)
         spectra = batch.test if batch.error is None else batch.error
         last = self._last[batch.level][batch.tiles]
-        entry["weight"] += 3 * batch.weight * len(spectra)
-        if batch.pixel_energy is not None:
-            entry["mse"] += float(batch.pixel_energy.sum())
-        if batch.frame > self._span.start:
-            entry["change"] = entry.get("change", 0.0) + float(energy(spectra - last).sum()) / 2
+        self._sums["change"][row] = energy(spectra - last).sum() / 2
         last[...] = spectra
+        if batch.error is None or batch.pixel_energy is None or self._running is None:
+            return
+        self._sums["mse"][row] = batch.pixel_energy.sum()
+        self._running.add(batch, batch.error)
+        self._squared[batch.level][batch.tiles] += batch.pixel_energy
+        self._weight[batch.level][batch.tiles] += 3 * batch.weight
+        if batch.floor_energy is not None:
+            self._noise[batch.level][batch.tiles] += batch.floor_energy
 
     def end(self) -> None:
+        for index in range(self._span.count):
+            entry = self._frames.setdefault(self._span.start + index, dict.fromkeys(self._sums, 0.0))
+            for name, sums in self._sums.items():
+                entry[name] += float(sums[index].sum())
+            if index == 0:
+                entry["change"] = np.nan
+        if self._running is None:
+            return
         for index, level in enumerate(self._span.levels):
-            mean = self._running.mean[index]
-            low = level.radius() < CUT
-            parts = {
-                "mse": self._squared[index],
-                "bias": self._span.count * energy(mean * low).sum(axis=1),
-                "detail": self._span.count * energy(mean * ~low).sum(axis=1),
-                "flicker": self._running.varied[index],
-                "floor": self._noise[index],
-                "weight": np.full(level.count, self._weight[index]),
-            }
-            groups = {"all": np.ones(level.count, dtype=bool)}
-            bands = self._span.bands
-            if bands is not None:
-                groups |= {band: bands[index] == number for number, band in enumerate(BANDS)}
-            for group, members in groups.items():
-                for part, values in parts.items():
-                    self._totals[group][part] += float(values[members].sum())
+            static = self._span.count * octave_energy(self._running.mean[index])
+            varied = self._running.varied[index]
+            squared = self._squared[index]
+            # By Parseval they add up already, but for the rounding of single precision.
+            spectral = (static + varied).sum(axis=1)
+            exact = np.divide(squared, spectral, out=np.zeros(level.count), where=spectral > 0)[:, None]
+            self._settle(index, level, static * exact, varied * exact)
+
+    def _settle(self, index: int, level: Level, static: Energy, varied: Energy) -> None:
+        """Add up the parts of a level's tiles, [n, octaves]."""
+        low = np.array(OCTAVES) < CUT
+        parts = {
+            "mse": static.sum(axis=1) + varied.sum(axis=1),
+            "bias": static[:, low].sum(axis=1),
+            "detail": static[:, ~low].sum(axis=1),
+            "flicker": varied.sum(axis=1),
+            "floor": self._noise[index],
+        }
+        octaves = {f"static {i}": static[:, i] for i in range(len(OCTAVES))}
+        octaves |= {f"flicker {i}": varied[:, i] for i in range(len(OCTAVES))}
+        self._ratios["all"].add(level.size, self._weight[index], parts | octaves)
+        if self._span.bands is not None:
+            for number, band in enumerate(BANDS):
+                members = self._span.bands[index] == number
+                inside = {name: values[members] for name, values in parts.items()}
+                self._ratios[band].add(level.size, self._weight[index][members], inside)
 
     def finish(self) -> Measurement:
-        found = Measurement(frames=[self._entry(frame) for frame in self._frames])
+        found = Measurement(frames=[self._entry(frame) for frame in sorted(self._frames)])
         for group in ("all", *BANDS):
-            total = self._totals[group]
+            ratios = self._ratios[group]
             for part in PARTS:
                 name = f"budget.{part}" if group == "all" else f"budget.{part}.{group}"
                 reason = self._reason(part, group)
-                found.put(name, None if reason else total[part] / total["weight"], reason)
+                if reason:
+                    found.absent[name] = reason
+                else:
+                    found.put(name, ratios.value(part), "", error=ratios.error(part))
+        if not self._reason("flicker", "all"):
+            total = self._ratios["all"]
+            found.curves["budget.bands"] = {"frequency": list(OCTAVES)} | {
+                part: [total.value(f"{part} {i}") for i in range(len(OCTAVES))] for part in ("static", "flicker")
+            }
         return found
 
     def _reason(self, part: str, group: str) -> str:
@@ -118,16 +141,17 @@ class Budget:
             return "needs the reference's half-difference"
         if group != "all" and not self._context.has_depth:
             return "needs depth"
-        if self._totals[group]["weight"] == 0:
+        if self._ratios[group].weight == 0:
             return "no tile stays wholly covered" + ("" if group == "all" else f" {describe(group)}")
         return _FRAMES if part in ("bias", "detail", "flicker") and self._context.count < 2 else ""
 
-    def _entry(self, frame: dict[str, float]) -> dict[str, float]:
-        entry: dict[str, float] = {"frame": int(frame["frame"])}
-        if self._context.has_reference:
-            entry["mse"] = frame["mse"] / frame["weight"]
-        if "change" in frame:
-            entry["change"] = frame["change"] / frame["weight"]
+    def _entry(self, frame: int) -> dict[str, float]:
+        sums = self._frames[frame]
+        entry: dict[str, float] = {"frame": frame}
+        if self._context.has_reference and sums["weight"] > 0:
+            entry["mse"] = sums["mse"] / sums["weight"]
+        if not np.isnan(sums["change"]) and sums["weight"] > 0:
+            entry["change"] = sums["change"] / sums["weight"]
         return entry
 
 

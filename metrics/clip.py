@@ -27,6 +27,7 @@ class Clip:
     coverage: t -> [H, W] in 0..1; only pixels with coverage 1 are measured. None: all of them.
     depth: t -> [H, W] in metres, by which scores are split into bands. None: no bands.
     pixels_per_degree: of visual angle, for measures of visibility.
+    luminance: cd/m^2 that radiance 1 is shown with; None if unknown.
 
     Raises ClipError if count, fps or a uniform motion is out of range, and on reading a bad frame.
     """
@@ -38,6 +39,7 @@ class Clip:
     coverage: FrameSource | None = None
     depth: FrameSource | None = None
     pixels_per_degree: float | None = None
+    luminance: float | None = None
     _shape: list[tuple[int, int]] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -56,7 +58,11 @@ class Clip:
         return self._shape[0]
 
     def image(self, t: int) -> NDArray[np.float64]:
-        """Frame t as [3, H, W] float64.
+        """Frame t as [3, H, W] float64. Raises ClipError as `planes` does."""
+        return self.planes(t).astype(np.float64, copy=False)
+
+    def planes(self, t: int) -> Image:
+        """Frame t as [3, H, W], float64 if it came so, else float32.
 
         Raises ClipError naming the frame if it is not [H, W, 3], has another size or holds NaN or Inf.
         """
@@ -66,7 +72,8 @@ class Clip:
         if not self._shape:
             self._shape.append((raw.shape[0], raw.shape[1]))
         self._check(raw, "frame", t)
-        return np.ascontiguousarray(np.moveaxis(raw, 2, 0), dtype=np.float64)
+        precision = np.float64 if raw.dtype.itemsize > 4 else np.float32
+        return np.ascontiguousarray(np.moveaxis(raw, 2, 0), dtype=precision)
 
     def covered(self, t: int) -> NDArray[np.bool_] | None:
         """[H, W], true where a surface covers the whole pixel of frame t; None if there is no mask."""

@@ -1,7 +1,12 @@
 """Where the surface seen in one frame is seen in another, composed from motion fields, and images taken there.
 
 Everything is done with B-spline interpolation (Unser 1999): linear interpolation would itself read as flicker.
+Surfaces that pass in front of each other are told by their motion: the field bends at the edge between them, and
+nothing is measured near such an edge, nor where two of them come from one place.
 """
+
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,42 +23,106 @@ FIELD_ORDER = 3
 # A tile is left out where the other frame shows the surface this many times smaller: its detail is lost there.
 SHRINK = 2.0
 
+# A motion field has an edge where its second difference is larger, px.
+BEND = 0.25
+
+# Surfaces that move apart by less than this in a frame have an edge between them that is MARGIN wide, px.
+APART = MARGIN / 2
+
 _TOLERANCE = 1e-4
 _ROUNDS = 30
 
 Places = NDArray[np.float32]
 Mask = NDArray[np.bool_]
+Field = NDArray[np.float64]
 
 
-def follow(clip: Clip, start: int, stop: int) -> tuple[list[Places | None], Mask]:
+class Correspondence:
+    """A span's middle frame followed through frames start..stop-1.
+
+    usable: [H, W], true where the surface of the middle frame is seen in every frame, off all edges, and not much
+        smaller. Places are held if they take no more than `room` bytes, else found anew for the rows asked for.
+    """
+
+    def __init__(self, clip: Clip, start: int, stop: int, *, room: float) -> None:
+        self._clip, self._start, self._stop = clip, start, stop
+        self._held: list[Places | None] | None = None
+        height, width = clip.shape
+        if 8 * height * width * (stop - start) <= room:
+            self._held, self.usable = follow(clip, start, stop)
+            return
+        rows = max(1, int(room / (8 * width * (stop - start))))
+        bands = (follow(clip, start, stop, slice(y, min(y + rows, height)))[1] for y in range(0, height, rows))
+        self.usable = np.concatenate(list(bands))
+
+    def places(self, rows: slice) -> list[Places | None]:
+        """As `follow` gives them, for these rows of the middle frame."""
+        if self._held is None:
+            return follow(self._clip, self._start, self._stop, rows)[0]
+        return [None if places is None else places[:, rows] for places in self._held]
+
+    def bytes_per_row(self) -> int:
+        """Memory that the places of a row take for as long as they are used; none where they are held anyway."""
+        return 8 * self._clip.shape[1] * (self._stop - self._start) if self._held is None else 0
+
+
+def follow(clip: Clip, start: int, stop: int, rows: slice = slice(None)) -> tuple[list[Places | None], Mask]:
     """Follow the surface of a span's middle frame through frames start..stop-1.
 
-    Returns for every frame the places [2, H, W] (y, x indices, px) where the surface seen at each pixel of the
-    middle frame is seen, None for the middle frame itself; and [H, W], true where that place is covered, off the
+    Returns for every frame the places [2, rows, W] (y, x indices, px) where the surface seen at each pixel of the
+    middle frame is seen, None for the middle frame itself; and [rows, W], true where that place is covered, off the
     edges, and not much smaller in every frame.
     """
     middle = (start + stop - 1) // 2
-    rest = np.indices(clip.shape, dtype=np.float64)
-    usable = _inner(clip, middle)
+    first, last, _ = rows.indices(clip.shape[0])
+    # One row more on each side: how much smaller a surface gets is a difference of neighbours.
+    outer = slice(max(0, first - 1), min(clip.shape[0], last + 1))
+    kept = slice(first - outer.start, last - outer.start)
+    rest = np.indices(clip.shape, dtype=np.float64)[:, outer]
+    usable = _inner(clip, middle)[outer]
     places: list[Places | None] = [None] * (stop - start)
     place = rest
     for t in range(middle, start, -1):
-        place = place - _take(_field(clip, t), place, FIELD_ORDER)
-        usable &= _lands(_inner(clip, t - 1), place)
-        places[t - 1 - start] = place.astype(np.float32)
+        moved = clip.moved(t)
+        place = place - _take(_spline(moved), place)
+        usable &= _lands(_inner(clip, t - 1, moved), place)
+        places[t - 1 - start] = place[:, kept].astype(np.float32)
     place = rest
     for t in range(middle + 1, stop):
-        place = _advance(_field(clip, t), place, usable)
-        usable &= _lands(_inner(clip, t), place)
-        places[t - start] = place.astype(np.float32)
-    return places, usable
+        moved = clip.moved(t)
+        usable &= _lands(_inner(clip, t - 1, moved), place)
+        place, found = _advance(_spline(moved), place)
+        usable &= found & _lands(_inner(clip, t), place)
+        places[t - start] = place[:, kept].astype(np.float32)
+    return places, usable[kept]
 
 
-def unwarp(image: NDArray[np.float64], places: Places | None, usable: Mask) -> NDArray[np.float64]:
-    """The picture [channels, H, W] as seen from the middle frame: sampled at `places` where usable, else 0."""
+def glue(clip: Clip, start: int, stop: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Where in a span's middle frame the surface lies that each pixel of the other frames sees.
+
+    Yields every frame with places [2, H, W] (y, x indices, px), the middle one first, then backwards and forwards
+    from it. The opposite of `follow`, and found in another way: pixel by pixel from one frame to the next.
+    """
+    middle = (start + stop - 1) // 2
+    rest = np.indices(clip.shape, dtype=np.float64)
+    yield middle, rest
+    place = rest
+    for t in range(middle - 1, start - 1, -1):
+        ahead, _ = _advance(_spline(clip.moved(t + 1)), rest)
+        place = ahead + _take(_spline(np.moveaxis(place - rest, 0, 2)[:, :, ::-1]), ahead)
+        yield t, place
+    place = rest
+    for t in range(middle + 1, stop):
+        behind = rest - np.moveaxis(clip.moved(t), 2, 0)[::-1]
+        place = behind + _take(_spline(np.moveaxis(place - rest, 0, 2)[:, :, ::-1]), behind)
+        yield t, place
+
+
+def unwarp(image: NDArray[Any], places: Places | None, usable: Mask, rows: slice) -> NDArray[np.float32]:
+    """Rows of the picture [channels, H, W] as seen from the middle frame: taken at `places` where usable, else 0."""
     if places is None:
-        return np.where(usable, image, 0.0)
-    seen = np.zeros_like(image)
+        return np.where(usable, image[:, rows], 0.0).astype(np.float32)
+    seen = np.zeros((len(image), *usable.shape), dtype=np.float32)
     where = places[:, usable].astype(np.float64)
     for channel, plane in zip(seen, image, strict=True):
         coefficients = ndimage.spline_filter(plane, order=IMAGE_ORDER, mode="mirror")
@@ -63,43 +132,85 @@ def unwarp(image: NDArray[np.float64], places: Places | None, usable: Mask) -> N
     return seen
 
 
-def _field(clip: Clip, t: int) -> NDArray[np.float64]:
-    """Spline coefficients [2, H, W] (y, x) of the motion since frame t - 1."""
-    moved = clip.moved(t)
-    return np.stack([_coefficients(moved[:, :, axis]) for axis in (1, 0)])
+def _spline(moved: NDArray[np.float64]) -> Field:
+    """Spline coefficients [2, H, W] (y, x) of a motion field [H, W, 2] (x, y)."""
+    return np.stack([ndimage.spline_filter(moved[:, :, axis], order=FIELD_ORDER, mode="mirror") for axis in (1, 0)])
 
 
-def _coefficients(plane: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(ndimage.spline_filter(plane, order=FIELD_ORDER, mode="mirror"))
-
-
-def _take(coefficients: NDArray[np.float64], place: NDArray[np.float64], order: int) -> NDArray[np.float64]:
+def _take(field: Field, place: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack(
-        [ndimage.map_coordinates(c, place, order=order, mode="mirror", prefilter=False) for c in coefficients]
+        [ndimage.map_coordinates(c, place, order=FIELD_ORDER, mode="mirror", prefilter=False) for c in field]
     )
 
 
-def _advance(field: NDArray[np.float64], place: NDArray[np.float64], usable: Mask) -> NDArray[np.float64]:
-    """Solve q - field(q) = place for the place q in the next frame, by fixed-point iteration."""
-    target = place[:, usable]
-    guess = target + _take(field, target, FIELD_ORDER)
+def _advance(field: Field, place: NDArray[np.float64]) -> tuple[NDArray[np.float64], Mask]:
+    """Solve q - field(q) = place for the place q in the next frame, by fixed-point iteration.
+
+    Returns q, and where it was found: a surface that is covered up has no place. Each pixel stops by itself.
+    """
+    target = place.reshape(2, -1)
+    guess = target + _take(field, target)
+    left = np.arange(target.shape[1])
     for _ in range(_ROUNDS):
-        better = target + _take(field, guess, FIELD_ORDER)
-        moved = float(np.max(np.abs(better - guess), initial=0.0))
-        guess = better
-        if moved < _TOLERANCE:
+        better = target[:, left] + _take(field, guess[:, left])
+        moved = np.abs(better - guess[:, left]).max(axis=0)
+        guess[:, left] = better
+        left = left[moved >= _TOLERANCE]
+        if not left.size:
             break
-    ahead = place.copy()
-    ahead[:, usable] = guess
-    return ahead
+    found = np.ones(target.shape[1], dtype=bool)
+    found[left] = False
+    return guess.reshape(place.shape), found.reshape(place.shape[1:])
 
 
-def _inner(clip: Clip, t: int) -> Mask:
-    """[H, W], true where frame t is covered for MARGIN pixels all round."""
+def _inner(clip: Clip, t: int, after: NDArray[np.float64] | None = None) -> Mask:
+    """[H, W], true where frame t is covered, and its motion has no edge, for MARGIN pixels all round.
+
+    after: motion into frame t + 1, to leave out where surfaces meet of which one covered the other in frame t.
+    """
     covered = clip.covered(t)
-    whole = np.ones(clip.shape, dtype=np.uint8) if covered is None else covered.astype(np.uint8)
+    whole = np.ones(clip.shape, dtype=bool) if covered is None else covered.copy()
+    if t > 0:
+        whole &= ~_bends(clip.moved(t), whole)
     size = 2 * MARGIN + 1
-    return np.asarray(ndimage.minimum_filter(whole, size=size, mode="constant", cval=0) > 0)
+    inner = ndimage.minimum_filter(whole.astype(np.uint8), size=size, mode="constant", cval=0) > 0
+    if after is not None:
+        inner &= ~_meet(after, clip.covered(t + 1))
+    return np.asarray(inner)
+
+
+def _bends(moved: NDArray[np.float64], covered: Mask) -> Mask:
+    """Where a motion field [H, W, 2] has an edge between covered pixels."""
+    bent = np.zeros(covered.shape, dtype=bool)
+    for axis in (0, 1):
+        field, known, edge = (np.moveaxis(a, axis, 0) for a in (moved, covered, bent))
+        second = np.abs(field[2:] - 2 * field[1:-1] + field[:-2]).max(axis=2)
+        edge[1:-1] |= (second > BEND) & known[2:] & known[1:-1] & known[:-2]
+    return bent
+
+
+def _meet(moved: NDArray[np.float64], covered: Mask | None) -> Mask:
+    """Where surfaces of the next frame come from one place though they move apart: one covered the other there.
+
+    moved: the motion [H, W, 2] into the next frame; covered: where it is known.
+    """
+    height, width = moved.shape[:2]
+    if np.all(np.ptp(moved, axis=(0, 1)) <= APART):
+        return np.zeros((height, width), dtype=bool)
+    row, column = np.indices((height, width))
+    row, column = (np.rint(p - moved[:, :, axis]).astype(np.intp) for p, axis in ((row, 1), (column, 0)))
+    inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+    if covered is not None:
+        inside &= covered
+    place = (row * width + column)[inside]
+    met = np.zeros(height * width, dtype=bool)
+    for axis in (0, 1):
+        speed = moved[:, :, axis][inside]
+        slowest, fastest = np.full(height * width, np.inf), np.full(height * width, -np.inf)
+        np.minimum.at(slowest, place, speed)
+        np.maximum.at(fastest, place, speed)
+        met |= fastest - slowest > APART
+    return met.reshape(height, width)
 
 
 def _lands(inner: Mask, place: NDArray[np.float64]) -> Mask:

@@ -19,7 +19,7 @@ def encode(radiance: NDArray[Any]) -> NDArray[np.float64]:
     return np.where(clamped <= 0.0031308, low, 1.055 * np.maximum(clamped, 0.0031308) ** (1 / 2.4) - 0.055)
 
 
-def to_domain(radiance: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+def to_domain(radiance: NDArray[Any], domain: Domain) -> NDArray[Any]:
     """The radiance itself in the linear domain, its sRGB codes in the display domain. Raises ValueError for others."""
     if domain not in get_args(Domain):
         raise ValueError(f"domain is {domain!r}; choose one of {', '.join(get_args(Domain))}")

@@ -3,6 +3,7 @@
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
 from metrics.spectra import Batch
+from metrics.tiles import Level
 
 SCORES = {
     "measured.fraction": Metric(
@@ -20,7 +21,13 @@ class Extent:
         self._measured = 0.0
         self._covered = 0.0
 
+    def held(self, level: Level) -> float:
+        del level
+        return 0.0
+
     def begin(self, span: Span) -> None:
+        if span.part > 0:
+            return
         self._measured += span.measured * span.count
         self._covered += span.covered * span.count
 
@@ -35,7 +42,8 @@ class Extent:
             scores={
                 "measured.fraction": self._measured / self._context.count,
                 "covered.fraction": self._covered / self._context.count,
-            }
+            },
+            errors=dict.fromkeys(SCORES, 0.0),
         )
 
 

@@ -3,8 +3,10 @@
 import numpy as np
 
 from metrics.measurement import Context, Measurement, Metric
+from metrics.ratios import Ratios
 from metrics.spans import Span
 from metrics.spectra import Batch, RunningMean
+from metrics.tiles import Level
 
 _SOURCE = "variance over time of surface-locked tile spectra: residual under true motion"
 
@@ -23,34 +25,43 @@ class ResidualFlicker:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._varied = {"residual.flicker": 0.0, "residual.flicker.reference": 0.0}
-        self._weight = 0.0
+        self._ratios = Ratios()
+
+    def held(self, level: Level) -> float:
+        return (1 + self._context.has_reference) * level.held
 
     def begin(self, span: Span) -> None:
-        self._test = RunningMean(span)
-        self._reference = RunningMean(span)
+        self._span = span
+        self._running = {"residual.flicker": RunningMean(span)}
+        if self._context.has_reference:
+            self._running["residual.flicker.reference"] = RunningMean(span)
+        self._weight = [np.zeros(level.count) for level in span.levels]
 
     def add(self, batch: Batch) -> None:
-        self._test.add(batch, batch.test)
-        if batch.reference is not None:
-            self._reference.add(batch, batch.reference)
-        self._weight += 3 * batch.weight * len(batch.test)
+        for running, spectra in zip(self._running.values(), (batch.test, batch.reference), strict=False):
+            if spectra is not None:
+                running.add(batch, spectra)
+        self._weight[batch.level][batch.tiles] += 3 * batch.weight
 
     def end(self) -> None:
-        for name, running in zip(self._varied, (self._test, self._reference), strict=True):
-            self._varied[name] += float(sum(np.sum(varied) for varied in running.varied))
+        for index, level in enumerate(self._span.levels):
+            parts = {name: running.varied[index] for name, running in self._running.items()}
+            self._ratios.add(level.size, self._weight[index], parts)
 
     def finish(self) -> Measurement:
         found = Measurement()
-        for name, varied in self._varied.items():
+        for name in SCORES:
             reason = ""
             if self._context.count < 2:
                 reason = "needs at least 2 frames"
             elif name.endswith(".reference") and not self._context.has_reference:
                 reason = "needs a reference"
-            elif self._weight == 0:
+            elif self._ratios.weight == 0:
                 reason = "no tile stays wholly covered"
-            found.put(name, None if reason else varied / self._weight, reason)
+            if reason:
+                found.absent[name] = reason
+            else:
+                found.put(name, self._ratios.value(name), "", error=self._ratios.error(name))
         return found
 
 

@@ -5,6 +5,7 @@ from typing import Any, Literal, Protocol
 
 from metrics.spans import Span
 from metrics.spectra import Batch
+from metrics.tiles import Level
 
 Better = Literal["lower", "higher", "information"]
 
@@ -23,26 +24,31 @@ class Metric:
 class Measurement:
     """Scores, and for each that cannot be had the reason why; ready for JSON, without NaN.
 
+    errors: standard errors of scores, in their units; one that is not known is left out.
     frames: one entry a frame. curves: name -> axis -> values. notes: what a reader should beware of.
     """
 
     scores: dict[str, float] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
     frames: list[dict[str, Any]] = field(default_factory=list)
     curves: dict[str, dict[str, list[Any]]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
-    def put(self, name: str, value: float | None, reason: str) -> None:
-        """Set a score, or its reason if there is no value."""
+    def put(self, name: str, value: float | None, reason: str, *, error: float | None = None) -> None:
+        """Set a score and its standard error, or the reason if there is no value."""
         if value is None:
             self.absent[name] = reason
-        else:
-            self.scores[name] = float(value)
+            return
+        self.scores[name] = float(value)
+        if error is not None:
+            self.errors[name] = float(error)
 
     def merge(self, other: "Measurement") -> None:
         """Take over what another measure found."""
         self.scores |= other.scores
         self.absent |= other.absent
+        self.errors |= other.errors
         self.frames += other.frames
         self.curves |= other.curves
         self.notes += other.notes
@@ -54,6 +60,7 @@ class Context:
 
     velocity: (dx, dy) px a frame if the picture moves uniformly in space and time, else None.
     has_depth: whether spans come with bands of distance.
+    pixels_per_degree, luminance: as a clip has them; None if unknown, or if the domain is not linear.
     """
 
     count: int
@@ -61,21 +68,31 @@ class Context:
     has_floor: bool
     has_depth: bool
     velocity: tuple[float, float] | None
+    fps: float
+    pixels_per_degree: float | None
+    luminance: float | None
 
 
 class Measure(Protocol):
-    """Takes in a clip span by span, frame by frame, batch by batch."""
+    """Takes in a clip span by span, each in parts; of every piece of tiles frame by frame, in order.
+
+    `add` is called from several threads, of each piece from one at a time: it may write what belongs to the piece
+    only, so that scores are the same bits for any number of threads.
+    """
 
     def __init__(self, context: Context) -> None: ...
 
+    def held(self, level: Level) -> float:
+        """Bytes held for tiles of a level from `begin` to `end`."""
+
     def begin(self, span: Span) -> None:
-        """A new span starts: frames of different spans are not aligned."""
+        """Another part of a span starts: frames of different spans are not aligned."""
 
     def add(self, batch: Batch) -> None:
-        """The next frame's spectra of some tiles."""
+        """The next frame's spectra of a piece of tiles."""
 
     def end(self) -> None:
-        """The span has ended."""
+        """The part has ended."""
 
     def finish(self) -> Measurement:
         """Scores and curves over all spans."""

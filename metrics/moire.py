@@ -7,12 +7,15 @@ by more than chance allows: a mean of M independent periodograms of noise follow
 (Welch 1967); only tiles that do not overlap count as independent, for frames and channels may repeat each other.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
-from metrics.spectra import Batch
+from metrics.spectra import Batch, Spectrum
+from metrics.tiles import Level
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""
@@ -41,66 +44,117 @@ SCORES = {
     "moire.peak_strength": Metric("dB", "lower", "power of that peak over the local floor", _SOURCE),
 }
 
+KINDS = ("test", "reference", "error")
+
+# Upright strips of the picture: a road is alike along them, not across.
+STRIPS = 8
+
 Power = NDArray[np.float64]
+Peak = tuple[float, float, float]
 
 
 class Moire:
-    """Mean power spectra of the largest tiles."""
+    """Mean power spectra of the largest tiles, by upright strips of the picture, whose spread gives the errors."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._power: dict[int, dict[str, Power]] = {}
-        self._tiles: dict[int, float] = {}
-        self._seen: dict[int, int] = {}
+        self._strips: dict[int, dict[int, Power]] = {}
+        self._seen: dict[int, dict[int, int]] = {}
+        self._tiles: dict[int, int] = {}
+        self._here = 0
+
+    def held(self, level: Level) -> float:
+        return level.held  # at worst every tile has a strip of its own
 
     def begin(self, span: Span) -> None:
         self._size = span.levels[0].size if span.levels else 0
+        self._pieces: dict[int, dict[int, Power]] = {}
         if span.levels:
             level = span.levels[0]
-            self._radius = level.radius()
-            apart = level.count / 4 if level.count > 4 else 1
-            self._tiles[self._size] = max(apart, self._tiles.get(self._size, 1))
-            zero = {name: np.zeros(level.spectrum_shape) for name in ("test", "reference", "error")}
-            self._power.setdefault(self._size, zero)
+            self._strip = ((level.origin[:, 1] + level.size / 2) * STRIPS / span.shape[1]).astype(int)
+            self._here = level.count + (self._here if span.part else 0)
+            self._tiles[self._size] = max(self._here, self._tiles.get(self._size, 0))
+            self._frames = span.count
 
     def add(self, batch: Batch) -> None:
         if batch.level != 0 or batch.error is None or batch.reference is None:
             return
-        power = self._power[self._size]
-        parts = {"test": batch.test, "reference": batch.reference, "error": batch.error}
-        for name, spectra in parts.items():
-            real = spectra.reshape(-1, *spectra.shape[-2:])
-            power[name] += np.einsum("nij,nij->ij", real.real, real.real)
-            power[name] += np.einsum("nij,nij->ij", real.imag, real.imag)
-        self._seen[self._size] = self._seen.get(self._size, 0) + batch.test.shape[0] * 3
+        powers = self._pieces.setdefault(batch.piece, {})
+        pictures = [batch.test, batch.reference, batch.error]
+        for strip in np.unique(self._strip[batch.tiles]).tolist():
+            chosen = self._strip[batch.tiles] == strip
+            power = np.stack([_power(spectra[chosen]) for spectra in pictures])
+            powers[strip] = powers[strip] + power if strip in powers else power
 
     def end(self) -> None:
-        """Spans need no alignment with each other here."""
+        strips, seen = self._strips.setdefault(self._size, {}), self._seen.setdefault(self._size, {})
+        for _, powers in sorted(self._pieces.items()):
+            for strip, power in powers.items():
+                strips[strip] = strips[strip] + power if strip in strips else power
+        if self._pieces:
+            for strip, tiles in zip(*np.unique(self._strip, return_counts=True), strict=True):
+                seen[int(strip)] = seen.get(int(strip), 0) + 3 * self._frames * int(tiles)
 
     def finish(self) -> Measurement:
         found = Measurement()
         reason = "needs a reference" if not self._context.has_reference else ""
-        if not reason and not self._seen:
+        sizes = [size for size, seen in self._seen.items() if seen]
+        if not reason and not sizes:
             reason = "no tile stays wholly covered"
         if reason:
             found.absent = dict.fromkeys(SCORES, reason)
             return found
-        size = max(self._seen)
-        mean = {name: power / self._seen[size] for name, power in self._power[size].items()}
-        found.curves["moire.radial"] = radial(mean, size)
-        beyond = np.array(found.curves["moire.radial"]["frequency"]) * size >= DC_LOBE
-        test, reference = (np.array(found.curves["moire.radial"][n])[beyond] for n in ("test", "reference"))
-        excess = float(np.maximum(test - reference, 0).sum())
-        total = float(reference.sum())
-        found.put("moire.excess", excess / total if total > 0 else None, "the reference has no detail")
-        peaks = find_peaks(mean["error"], independent=self._tiles[size])
+        size = max(sizes)
+        power = self._mean(size, self._strips[size])
+        independent = self._tiles[size] / 4 if self._tiles[size] > 4 else 1
+        peaks = find_peaks(power["error"], independent=independent)
+        found.curves["moire.radial"] = radial(power, size)
         found.curves["moire.peaks"] = {
             axis: [peak[i] for peak in peaks] for i, axis in enumerate(("x", "y", "strength"))
         }
-        none = "no peak stands over the local floor"
-        found.put("moire.peak_frequency", float(np.hypot(*peaks[0][:2])) if peaks else None, none)
-        found.put("moire.peak_strength", peaks[0][2] if peaks else None, none)
+        values = _values(power, peaks)
+        errors = self._errors(size, independent)
+        reasons = {"moire.excess": "the reference has no detail"}
+        for name in SCORES:
+            why = reasons.get(name, "no peak stands over the local floor")
+            found.put(name, values.get(name), why, error=errors.get(name))
         return found
+
+    def _mean(self, size: int, strips: Iterable[int]) -> dict[str, Power]:
+        chosen = list(strips)
+        total = np.sum([self._strips[size][strip] for strip in chosen], axis=0)
+        return dict(zip(KINDS, total / sum(self._seen[size][strip] for strip in chosen), strict=True))
+
+    def _errors(self, size: int, independent: float) -> dict[str, float]:
+        """Standard errors by a jackknife that leaves out one strip at a time (Efron & Stein 1981)."""
+        strips = sorted(self._strips[size])
+        if len(strips) < 2:
+            return {}
+        kept = independent * (1 - 1 / len(strips))
+        means = (self._mean(size, [other for other in strips if other != strip]) for strip in strips)
+        left = [_values(mean, find_peaks(mean["error"], independent=max(1, kept))) for mean in means]
+        common = set.intersection(*(set(values) for values in left))
+        return {name: float(np.sqrt((len(left) - 1) * np.var([values[name] for values in left]))) for name in common}
+
+
+def _power(spectra: Spectrum) -> Power:
+    """[L, L/2 + 1], summed over tiles and channels."""
+    real = spectra.view(np.float32).reshape(-1, *spectra.shape[-2:], 2)
+    return np.asarray(np.square(real).sum(axis=(0, 3), dtype=np.float64))
+
+
+def _values(power: dict[str, Power], peaks: list[Peak]) -> dict[str, float]:
+    """The scores that there are."""
+    rings = radial(power, len(power["error"]))
+    beyond = np.array(rings["frequency"]) * len(power["error"]) >= DC_LOBE
+    test, reference = (np.array(rings[name])[beyond] for name in ("test", "reference"))
+    found = {}
+    if reference.sum() > 0:
+        found["moire.excess"] = float(np.maximum(test - reference, 0).sum() / reference.sum())
+    if peaks:
+        x, y, strength = peaks[0]
+        found |= {"moire.peak_frequency": float(np.hypot(x, y)), "moire.peak_strength": strength}
+    return found
 
 
 def radial(power: dict[str, Power], size: int) -> dict[str, list[float]]:
@@ -114,7 +168,7 @@ def radial(power: dict[str, Power], size: int) -> dict[str, list[float]]:
     return curves
 
 
-def find_peaks(power: Power, *, independent: float) -> list[tuple[float, float, float]]:
+def find_peaks(power: Power, *, independent: float) -> list[Peak]:
     """Peaks (x, y cycles/px, dB over the local floor) of a half-plane power spectrum, the strongest first.
 
     power: [L, L/2 + 1], mean of `independent` periodograms, with doubled energy where a bin stands for k and -k.

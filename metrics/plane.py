@@ -17,13 +17,16 @@ from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
 from metrics.orders import Order, Orders, rank, separate
+from metrics.ratios import Ratios
 from metrics.spans import Span
 from metrics.spectra import Batch, energy
 from metrics.tiles import Level
 
-# Projections are kept for all orders, so tiles are few: none overlap, and no more than these.
-TILES = 96
+# Frames whose spectra are projected together. Projections are kept for all orders, of sampled tiles only.
 FRAMES = 8
+
+# A picture whose energy beside its mean level is less is flat: single precision leaves 1e-14.
+FLAT = 1e-12
 
 _SOURCE = "Watson & Ahumada 1983, NASA TM-84352; least squares at the frequencies -n.v"
 
@@ -42,10 +45,14 @@ class Plane:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._orders = None if context.velocity is None else separate(context.velocity)
-        self._energy: dict[Order, float] = {}
-        self._off = 0.0
+        self._ratios = Ratios()
         self._blurred: set[Order] = set()
         self._chance = 0.0
+        self._level_energy = 0.0
+
+    def held(self, level: Level) -> float:
+        orders = 0 if self._orders is None else len(self._orders.groups)
+        return (orders + FRAMES) * level.part(level.sample).held
 
     def begin(self, span: Span) -> None:
         self._level = None
@@ -54,67 +61,78 @@ class Plane:
         self._level = span.levels[0]
         self._start, self._count = span.start, span.count
         self._basis = self._orders.basis(span.count)
-        self._chosen = _apart(self._level)
-        shape = (len(self._chosen), 3, *self._level.spectrum_shape)
-        self._level_spectrum = np.zeros(self._level.spectrum_shape, dtype=np.complex128)
-        self._first = np.zeros(shape[:2])
-        self._rest = np.zeros(shape[:2])
-        self._held = np.zeros((FRAMES, *shape), dtype=np.complex64)
-        self._fitted = np.zeros((self._basis.shape[1], *shape), dtype=np.complex64)
-        self._total = np.zeros(shape[:2])
+        # Of every tile which of the sample it is, counted from the first.
+        self._rank = np.concatenate([[0], np.cumsum(self._level.sample)])
+        number, spectrum = int(self._rank[-1]), (3, *self._level.spectrum_shape)
+        self._level_spectrum = np.zeros(self._level.spectrum_shape, dtype=np.complex64)
+        self._first, self._rest = np.zeros((2, number, 3))
+        self._total = np.zeros(number)
+        self._held = np.zeros((number, FRAMES, *spectrum), dtype=np.complex64)
+        self._fitted = np.zeros((number, self._basis.shape[1], *spectrum), dtype=np.complex64)
 
     def add(self, batch: Batch) -> None:
         if batch.level != 0 or self._level is None:
             return
+        here = slice(self._rank[batch.tiles.start], self._rank[batch.tiles.stop])
+        if here.start == here.stop:
+            return
+        chosen = self._level.sample[batch.tiles]
         index = batch.frame - self._start
-        here = np.flatnonzero((self._chosen >= batch.tiles.start) & (self._chosen < batch.tiles.stop))
-        spectra = batch.test[self._chosen[here] - batch.tiles.start]
-        mean = batch.mean[self._chosen[here] - batch.tiles.start]
+        mean = batch.mean[chosen]
         if index == 0:
             self._level_spectrum = batch.level_spectrum
             self._first[here] = mean
         self._rest[here] += (mean - self._first[here]) / self._count
-        level = self._first[here][:, :, None, None] * batch.level_spectrum
-        varied = spectra - level
+        varied = batch.test[chosen] - self._first[here, :, None, None].astype(np.float32) * batch.level_spectrum
         self._total[here] += energy(varied)
-        self._held[index % FRAMES, here] = varied
-        if batch.tiles.stop == self._level.count and (index % FRAMES == FRAMES - 1 or index == self._count - 1):
-            self._project(index)
+        self._held[here, index % FRAMES] = varied
+        if index % FRAMES == FRAMES - 1 or index == self._count - 1:
+            self._project(here, index)
 
-    def _project(self, last: int) -> None:
-        """Add the frames held to the projections on every order."""
+    def _project(self, here: slice, last: int) -> None:
+        """Add the frames held of some tiles to the projections on every order."""
         first = last - last % FRAMES
         rows = np.conj(self._basis[first : last + 1]).T.astype(np.complex64)
-        held = self._held[: last - first + 1].reshape(last - first + 1, -1)
-        self._fitted += (rows @ held).reshape(self._fitted.shape)
+        held = self._held[here, : last - first + 1]
+        for tile, frames in zip(self._fitted[here], held, strict=True):
+            # Row by row: products so small that BLAS starts no threads of its own beside ours.
+            tile += np.matmul(rows, frames.transpose(1, 2, 0, 3)).transpose(2, 0, 1, 3)
 
     def end(self) -> None:
-        if self._level is None or self._orders is None:
+        if self._level is None or self._orders is None or not self._level.count:
             return
-        projections, total = self._without_mean(self._orders)
         inverse = np.linalg.inv(self._orders.gram(self._count))
+        opposite = self._orders.opposite()
         self._blurred |= self._orders.blurred(self._count)
         self._chance = max(self._chance, 1 / self._count)
-        flat = projections.reshape(len(projections), -1)
-        # Re(a* P) of the least-squares amplitudes a: exact for orders apart, unbiased for noise, sums to the fit.
-        explained = np.real(np.einsum("ni,ni->n", np.conj(inverse @ flat), flat))
-        # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
-        both = (explained + explained[self._orders.opposite()]) / 2
-        for order, value in zip(self._orders.single, both, strict=True):
-            self._energy[order] = self._energy.get(order, 0.0) + float(value)
-        self._off += max(0.0, total - float(explained.sum()))
+        found = np.zeros((len(self._total), len(opposite)))
+        totals = np.zeros(len(self._total))
+        for tile in range(len(self._total)):
+            projections, totals[tile] = self._without_mean(tile, self._orders)
+            flat = projections.reshape(len(projections), -1)
+            # Re(a* P) of the least-squares amplitudes a: exact for orders apart, unbiased for noise, sums to the fit.
+            explained = np.real(np.einsum("ni,ni->n", np.conj(inverse @ flat), flat))
+            # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
+            found[tile] = (explained + explained[opposite]) / 2
+        groups = np.array([rank(order) for order in self._orders.single])
+        parts = {name: found[:, groups == level].sum(axis=1) for name, level in RANKS.items()}
+        parts |= {f"{x},{y}": found[:, index] for index, (x, y) in enumerate(self._orders.single)}
+        parts["plane.off"] = totals - found.sum(axis=1)
+        self._ratios.add(self._level.size, totals, parts)
+        self._level_energy += self._count * float(np.sum(self._first**2)) * energy(self._level_spectrum[None, None])[0]
 
-    def _without_mean(self, orders: Orders) -> tuple[NDArray[np.complex128], float]:
-        """Projections and total energy with each tile's mean level over the span removed.
+    def _without_mean(self, tile: int, orders: Orders) -> tuple[NDArray[np.complex128], float]:
+        """Projections and total energy of one sampled tile with its mean level over the span removed.
 
         The first frame's level went out already; the rest is linear. Order 0 is the sum over frames.
         """
-        fitted = self._fitted.astype(np.complex128)
+        fitted = self._fitted[tile].astype(np.complex128)
         sums = fitted[orders.single.index((0, 0))]
-        shape = self._rest[:, :, None, None] * self._level_spectrum
-        total = self._total.sum() - 2 * np.real(np.vdot(shape, sums)) + self._count * energy(shape).sum()
+        shape = self._rest[tile, :, None, None] * self._level_spectrum
+        squared = float(np.vdot(shape, shape).real)
+        total = self._total[tile] - 2 * np.real(np.vdot(shape, sums)) + self._count * squared
         weights = np.conj(self._basis).sum(axis=0)
-        fitted -= weights[:, None, None, None, None] * shape
+        fitted -= weights[:, None, None, None] * shape
         return fitted, float(total)
 
     def finish(self) -> Measurement:
@@ -123,20 +141,19 @@ class Plane:
         if self._orders is None or reason:
             found.absent = dict.fromkeys(SCORES, reason)
             return found
-        total = sum(self._energy.values()) + self._off
         found.notes += self._orders.notes
+        single = self._orders.single
         found.curves["plane.orders"] = {
-            "order": [f"{x},{y}" for x, y in self._energy],
-            "energy": [value / total for value in self._energy.values()],
-            "chance": [self._chance] * len(self._energy),
+            "order": [f"{x},{y}" for x, y in single],
+            "energy": [self._ratios.value(f"{x},{y}") for x, y in single],
+            "chance": [self._chance] * len(single),
         }
-        for name, level in RANKS.items():
-            members = [order for order in self._energy if rank(order) == level]
-            why = self._orders.why_not(level) or _too_short(self._blurred.intersection(members))
-            share = max(0.0, sum(self._energy[order] for order in members) / total)
-            found.put(name, None if why else share, why)
-        why = _too_short(self._blurred)
-        found.put("plane.off", None if why else self._off / total, why)
+        for name in SCORES:
+            members = [order for order in single if name == "plane.off" or rank(order) == RANKS[name]]
+            why = "" if name == "plane.off" else self._orders.why_not(RANKS[name])
+            why = why or _too_short(self._blurred.intersection(members))
+            share = max(0.0, self._ratios.value(name))
+            found.put(name, None if why else share, why, error=self._ratios.error(name))
         return found
 
     def _reason(self) -> str:
@@ -145,9 +162,9 @@ class Plane:
             return "needs a motion that is uniform over the picture and in time"
         if not any(self._orders.velocity):
             return "nothing moves, so aliases look as the surface does"
-        if not self._energy:
+        if not self._chance:
             return f"needs tiles that stay wholly covered for more than {len(self._orders.groups)} frames"
-        if sum(self._energy.values()) + self._off <= 0:
+        if self._ratios.weight <= FLAT * self._level_energy:
             return "the picture is flat"
         return ""
 
@@ -156,13 +173,6 @@ def _too_short(orders: Iterable[Order]) -> str:
     """Why orders too near to each other for the clip's length cannot be told apart."""
     names = ", ".join(str(order) for order in sorted(orders))
     return f"too few frames to tell orders {names} apart" if names else ""
-
-
-def _apart(level: Level) -> NDArray[np.intp]:
-    """Indices of tiles that do not overlap, at most TILES of them, spread evenly."""
-    step = (level.origin - level.origin.min(axis=0)) // (level.size // 2)
-    apart = np.flatnonzero((step % 2 == 0).all(axis=1))
-    return np.asarray(apart[np.linspace(0, len(apart) - 1, min(TILES, len(apart))).round().astype(int)])
 
 
 MEASURE = Plane

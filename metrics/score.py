@@ -6,15 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
-from metrics.clip import Clip, ClipError, FrameSource
+from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import Domain, encode, to_domain
 from metrics.measurement import Context, Measurement
 from metrics.spans import Alignment, align
-from metrics.spectra import batches
+from metrics.sweep import Sweep
 from metrics.tiles import SIZES
 
 # A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
 TRAVEL = 25.0
+
+MEMORY = 1.2e9
+"""Bytes that measuring may take, if nothing else is said."""
 
 Progress = Callable[[int, int], None]
 
@@ -28,6 +31,8 @@ def measure(
     names: Sequence[str] | None = None,
     alignment: Alignment | None = None,
     progress: Progress | None = None,
+    memory: float = MEMORY,
+    threads: int | None = None,
 ) -> Measurement:
     """Measure a test clip, against a reference if there is one.
 
@@ -38,12 +43,15 @@ def measure(
     names: scores wanted, by name or beginning ("budget"); None: all.
     alignment: from `align`, of a clip with the same motion, coverage and depth; None: made here.
     progress: called with frames done and frames in all.
-    Frames are read one at a time, and more than once. Raises ClipError for frames that cannot be measured and
-    ValueError for an unknown name.
+    memory: bytes that may be taken beside what `alignment` holds; where that is not enough for all tiles at once,
+        frames are read again for some at a time. At least two frames and a few tiles are held.
+    threads: how many work at a time; None: one a core. Scores are the same bits for any number and any memory.
+    Frames are read one at a time, by one thread, and more than once. Raises ClipError for frames that cannot be
+    measured and ValueError for an unknown name.
     """
     registry.check_names(names)
     geometry = _geometry(test, reference)
-    alignment = alignment or align(geometry, keep=False)
+    alignment = alignment or align(geometry, keep=False, room=memory / 4)
     steps = alignment.steps
     context = Context(
         count=test.count,
@@ -51,31 +59,30 @@ def measure(
         has_floor=reference is not None and reference_error is not None,
         has_depth=geometry.depth is not None,
         velocity=_velocity(geometry, steps),
+        fps=test.fps,
+        pixels_per_degree=test.pixels_per_degree if domain == "linear" else None,
+        luminance=test.luminance,
     )
     measures = [measure_type(context) for measure_type in registry.measures(names)]
+
+    def read(t: int) -> list[Image]:
+        return _sources(t, test, reference, reference_error, domain)
+
     notes = []
     longest = 0
-    for span in alignment.spans:
-        for each in measures:
-            each.begin(span)
-        for t in range(span.start, span.stop):
-            picture, error, half = _pictures(t, test, reference, reference_error, domain)
-            for batch in batches(span, t, test=picture, error=error, half_difference=half):
-                for each in measures:
-                    each.add(batch)
-            if progress is not None:
-                progress(t + 1, test.count)
-        for each in measures:
-            each.end()
-        longest = max(longest, span.count)
-        if not span.levels:
-            notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
+    with Sweep(measures, read, memory=memory, threads=threads) as sweep:
+        for span in alignment.spans:
+            sweep.run(span, lambda done: progress and progress(done, test.count))
+            longest = max(longest, span.count)
+            if not span.levels:
+                notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
     if longest < test.count:
         notes.append(f"frames are aligned in spans of {longest} at most: slower changes read as static")
     found = Measurement(notes=notes + _travel_note(steps))
     for each in measures:
         found.merge(each.finish())
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
+    found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.wanted(name, names)}
     return found
 
@@ -99,6 +106,7 @@ def _geometry(test: Clip, reference: Clip | None) -> Clip:
         coverage=test.coverage or reference.coverage,
         depth=test.depth or reference.depth,
         pixels_per_degree=test.pixels_per_degree,
+        luminance=test.luminance,
     )
 
 
@@ -113,22 +121,23 @@ def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, flo
     return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
 
 
-def _pictures(
+def _sources(
     t: int, test: Clip, reference: Clip | None, reference_error: FrameSource | None, domain: Domain
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None]:
-    """Test, error and half-difference of frame t, [3, H, W], in the domain."""
-    picture = to_domain(test.image(t), domain)
+) -> list[Image]:
+    """Test, error and half-difference of frame t, those that there are, each [3, H, W] in the domain."""
+    picture = to_domain(test.planes(t), domain)
     if reference is None:
-        return picture, None, None
-    exact = reference.image(t)
-    half = None
+        return [picture]
+    exact = reference.planes(t)
+    found = [picture, picture - to_domain(exact, domain)]
     if reference_error is not None:
-        half = Clip(reference_error, reference.count).image(t)
+        half = Clip(reference_error, reference.count).planes(t)
         if half.shape != exact.shape:
             raise ClipError(f"the reference's error of frame {t} has another size than the reference")
         if domain == "display":
             half = (encode(exact + half) - encode(exact - half)) / 2
-    return picture, picture - to_domain(exact, domain), half
+        found.append(half)
+    return found
 
 
 def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:

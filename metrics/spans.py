@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,10 @@ from numpy.typing import NDArray
 from metrics import bands
 from metrics.clip import Clip
 from metrics.tiles import Level, Offset, lay
+
+if TYPE_CHECKING:
+    from metrics.correspondence import Correspondence, Places
+    from metrics.glued import Glued
 
 # A motion field whose values lie this near to each other is taken as uniform, px.
 UNIFORM = 1e-4
@@ -22,45 +28,53 @@ LONGEST_UNWARPED = 32
 KEPT = 0.2
 KEPT_UNWARPED = 0.3
 
+ROOM = 256e6
+"""Bytes that the correspondences of a clip may take."""
+
 
 @dataclass(frozen=True)
 class Span:
-    """Frames start..stop-1, aligned to one anchor frame.
+    """Frames start..stop-1, aligned to one anchor frame; or a part of its tiles, measured at a time.
 
+    shape: [H, W] of the frames, px.
     offsets: how far the surface is from where the anchor frame has it, (y, x) px, for every frame; all 0 when
-        the pictures are unwarped to the anchor's grid, for which `places` and `usable` are set.
-    weight: summed w^2 of all tiles, [H, W], in the anchor frame.
+        the pictures are unwarped to the anchor's grid, for which there is a `correspondence`.
+    measured: share of the frame that the whole span's tiles weigh, 0..1.
     covered: share of wholly covered pixels in the anchor frame.
     bands: for every level the band of distance [n] of each tile; None without depth.
+    part: which part of the span's tiles these are.
+    rows: rows of the anchor frame that pictures are aligned for.
     """
 
     start: int
     stop: int
     anchor: int
+    shape: tuple[int, int]
     offsets: list[Offset]
     levels: list[Level]
-    weight: NDArray[np.float64] = field(repr=False)
+    measured: float
     covered: float
     bands: list[NDArray[np.intp]] | None = field(repr=False)
-    places: list[NDArray[np.float32] | None] | None = field(default=None, repr=False)
-    usable: NDArray[np.bool_] | None = field(default=None, repr=False)
+    rows: slice
+    correspondence: "Correspondence | None" = field(default=None, repr=False)
+    glued: "Glued | None" = field(default=None, repr=False)
+    part: int = 0
 
     @property
     def count(self) -> int:
         return self.stop - self.start
 
-    @property
-    def measured(self) -> float:
-        """Share of the frame that tiles weigh, 0..1."""
-        return float(np.minimum(self.weight, 1.0).mean())
-
-    def align(self, image: NDArray[np.float64], t: int) -> NDArray[np.float64]:
-        """Frame t [channels, H, W] in the grid in which tiles lie at `offsets`."""
-        if self.places is None or self.usable is None:
-            return image
+    def align(self, image: NDArray[Any], t: int) -> NDArray[np.float32]:
+        """Frame t [channels, H, W] in the grid in which tiles lie at `offsets`; these rows only if it is unwarped."""
+        if self.correspondence is None:
+            return image.astype(np.float32, copy=False)
         from metrics.correspondence import unwarp
 
-        return unwarp(image, self.places[t - self.start], self.usable)
+        return unwarp(image, self._places[t - self.start], self.correspondence.usable[self.rows], self.rows)
+
+    @cached_property
+    def _places(self) -> "list[Places | None]":
+        return [] if self.correspondence is None else self.correspondence.places(self.rows)
 
 
 @dataclass(frozen=True)
@@ -74,14 +88,16 @@ class Alignment:
     spans: Iterable[Span]
 
 
-def align(clip: Clip, *, keep: bool = True) -> Alignment:
+def align(clip: Clip, *, keep: bool = True, room: float = ROOM) -> Alignment:
     """Align a clip's frames by its motion and coverage.
 
     keep: hold all spans, to be used again (8 bytes a pixel and frame if the motion is not uniform); else they are
         made as they are asked for, once.
+    room: bytes that correspondences may take; what does not fit is found anew for a part of the picture at a time.
     """
     steps = uniform_steps(clip)
-    spans = plan(clip, steps)
+    together = clip.count if keep else min(clip.count, LONGEST_UNWARPED)
+    spans = plan(clip, steps, room=room / together)
     return Alignment(steps, list(spans) if keep else spans)
 
 
@@ -103,43 +119,61 @@ def uniform_steps(clip: Clip) -> NDArray[np.float64] | None:
     return steps
 
 
-def plan(clip: Clip, steps: NDArray[np.float64] | None) -> Iterator[Span]:
+def plan(clip: Clip, steps: NDArray[np.float64] | None, *, room: float) -> Iterator[Span]:
     """Cut a clip in spans as long as tiles stay in view; yields them one by one, in order.
 
     The spans are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
+    room: bytes that the correspondence of a frame may take.
     """
     kept, longest = (KEPT, clip.count) if steps is not None else (KEPT_UNWARPED, LONGEST_UNWARPED)
     middle = clip.count // 2
-    enough = kept * _span(clip, middle, middle + 1, steps).measured
+    enough = kept * _span(clip, middle, middle + 1, steps, room).measured
     number = -(-clip.count // longest)
     while True:
         edges = np.linspace(0, clip.count, number + 1).round().astype(int)
         bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
         trial = bounds[number // 2]
-        span = _span(clip, *trial, steps)
+        span = _span(clip, *trial, steps, room)
         if span.measured >= enough or clip.count < 4 * number:
             break
         number *= 2
     for bound in bounds:
-        yield span if bound == trial else _span(clip, *bound, steps)
+        yield span if bound == trial else _span(clip, *bound, steps, room)
 
 
-def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None) -> Span:
-    places = usable = None
+def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, room: float) -> Span:
+    correspondence = glued = None
     if steps is None:
-        from metrics.correspondence import follow
+        from metrics.correspondence import Correspondence
 
         anchor = (start + stop - 1) // 2
         offsets: list[Offset] = [(0.0, 0.0)] * (stop - start)
-        places, usable = follow(clip, start, stop)
+        correspondence = Correspondence(clip, start, stop, room=room * (stop - start))
+        usable = correspondence.usable
         levels, weight = lay(clip.shape, offsets[:1], lambda _: usable)
-        usable = weight > 0
+        correspondence.usable = weight > 0
     else:
         anchor = start
         travelled = np.vstack([np.zeros(2), np.cumsum(steps[start + 1 : stop], axis=0)])
         offsets = [(float(y), float(x)) for y, x in travelled]
         levels, weight = lay(clip.shape, offsets, lambda index: clip.covered(start + index))
     covered = clip.covered(anchor)
-    share = 1.0 if covered is None else float(covered.mean())
     tile_bands = bands.of_tiles(clip, levels, anchor)
-    return Span(start, stop, anchor, offsets, levels, weight, share, tile_bands, places, usable)
+    if correspondence is not None:
+        from metrics.glued import Glued
+
+        glued = Glued(clip, start, stop, levels, tile_bands, correspondence)
+    return Span(
+        start,
+        stop,
+        anchor,
+        shape=clip.shape,
+        offsets=offsets,
+        levels=levels,
+        measured=float(np.minimum(weight, 1.0).mean()),
+        covered=1.0 if covered is None else float(covered.mean()),
+        bands=tile_bands,
+        rows=slice(0, clip.shape[0]),
+        correspondence=correspondence,
+        glued=glued,
+    )

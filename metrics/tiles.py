@@ -12,6 +12,9 @@ SIZES = (64, 32, 16)
 # A smaller tile is added where the larger ones weigh less than this at its centre, and none of them could stand.
 _SPARSE = 0.45
 
+SAMPLE = 96
+"""Tiles of a level at most whose course in time is looked at closely."""
+
 _SMOOTH = 32
 _BETA = 10.0
 
@@ -21,10 +24,15 @@ Offset = tuple[float, float]
 
 @dataclass(frozen=True)
 class Level:
-    """Tiles of one size. origin: [n, 2] (y, x) of each tile's first pixel in the span's anchor frame."""
+    """Tiles of one size.
+
+    origin: [n, 2] (y, x) of each tile's first pixel in the span's anchor frame.
+    sample: [n], true for SAMPLE tiles at most, spread evenly, none of which overlap.
+    """
 
     size: int
     origin: NDArray[np.intp]
+    sample: Mask
 
     @property
     def count(self) -> int:
@@ -34,6 +42,15 @@ class Level:
     def spectrum_shape(self) -> tuple[int, int]:
         """Shape of one real-input spectrum."""
         return self.size, self.size // 2 + 1
+
+    @property
+    def held(self) -> float:
+        """Bytes that one spectrum of each tile's three channels takes, in single precision."""
+        return 24.0 * self.count * self.size * (self.size // 2 + 1)
+
+    def part(self, tiles: slice | Mask) -> "Level":
+        """Some of the tiles."""
+        return Level(self.size, self.origin[tiles], self.sample[tiles])
 
     def frequencies(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Vertical [size, 1] and horizontal [1, size/2 + 1] frequencies, cycles/px."""
@@ -92,7 +109,8 @@ def lay(
         if allowed.size:
             allowed &= weight[centre] < _SPARSE
         if allowed.any():
-            levels.append(Level(size, _lattice(allowed, size // 2) + np.array(stands[index].first)))
+            origin = _lattice(allowed, size // 2) + np.array(stands[index].first)
+            levels.append(Level(size, origin, _apart(origin, size)))
             _add_weight(weight, levels[-1])
     return levels, weight
 
@@ -144,6 +162,15 @@ def _lattice(allowed: Mask, hop: int) -> NDArray[np.intp]:
     y, x = np.unravel_index(np.argmax(found - (off[0][:, None] + off[1][None, :]) / 4), found.shape)
     places = np.argwhere(allowed[y::hop, x::hop])
     return np.asarray(places * hop + np.array([y, x]))
+
+
+def _apart(origin: NDArray[np.intp], size: int) -> Mask:
+    """Which tiles to sample: every second along both axes, thinned evenly to SAMPLE."""
+    step = (origin - origin.min(axis=0)) // (size // 2)
+    apart = np.flatnonzero((step % 2 == 0).all(axis=1))
+    chosen = np.zeros(len(origin), dtype=bool)
+    chosen[apart[np.linspace(0, len(apart) - 1, min(SAMPLE, len(apart))).round().astype(int)]] = True
+    return chosen
 
 
 def _integral(mask: Mask) -> NDArray[np.int32]:

@@ -13,6 +13,7 @@ from .problems import SequenceError
 from .scene import Material, Road, Scene, Sun
 from .sequence import Sequence
 from .view import View
+from .viewing import Viewing
 
 __all__ = [
     "MOTIONS",
@@ -25,6 +26,7 @@ __all__ = [
     "SequenceError",
     "Sun",
     "View",
+    "Viewing",
     "library",
     "load",
     "schema",

@@ -11,6 +11,7 @@ from .problems import SequenceError, describe
 from .scene import Scene
 from .table import Real, Table, Whole
 from .view import View
+from .viewing import Viewing
 
 Side = Annotated[Whole, Field(ge=8, le=16384)]
 
@@ -31,6 +32,7 @@ class Sequence(Table):
     scene: Scene = Field(default=Scene(), description="what stands still")
     camera: Camera = Field(default=Camera(), description="where from it is seen")
     motion: AnyMotion = Field(default=MOTIONS["shift"](kind="shift"), description="by what the frames differ")
+    viewing: Viewing = Field(default=Viewing(), description="how the frames are looked at")
     techniques: dict[str, dict[str, Any]] = Field({}, description="settings of techniques, by name")
 
     _folder: Path = PrivateAttr(default=Path())

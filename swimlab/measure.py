@@ -3,7 +3,7 @@
 import csv
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from itertools import pairwise
@@ -15,6 +15,7 @@ import numpy as np
 from metrics import Clip, Measurement, align, measure, measure_scales
 from swimlab.files import write_json, write_text
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
+from swimlab.peer import all_peer_scores
 from swimlab.record import REFERENCE, VERSION, Record, RunError, provenance
 from swimlab.run import ERROR, GEOMETRY, check_complete
 
@@ -34,20 +35,24 @@ def measure_run(
     run: Path,
     *,
     domain: Domain = "linear",
+    peers: Sequence[str] = (),
     command: str = "",
     advance: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """Score every technique of a run, write scores.json and frames.csv into its folder, and return the former.
 
-    `advance` is called with a technique's name after each. Raises RunError where the folder holds no run or no
-    pictures, FrameError where one is missing or damaged, and ClipError where one cannot be measured.
+    peers: metrics of other projects to add, by name (see `swimlab.peer`). `advance` is called with a technique's name
+    after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
+    damaged, ClipError where one cannot be measured, and PeerError for a peer that cannot be had.
     """
     record = Record.read(run)
     if not record.frames:
         raise RunError(f"{run}: holds no finished frame; render it first")
     tests = [name for name in record.techniques if name != REFERENCE]
     check_complete(run, [*record.techniques, GEOMETRY], record.frames)
-    score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain)
+    if record.resizes and peers:
+        raise RunError(f"--peers {','.join(peers)}: frames of different sizes are not a clip; leave it out")
+    score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain, peers)
     entries = []
     with ThreadPoolExecutor(_workers(record)) as pool:
         for name, found in zip(tests, pool.map(score, tests), strict=True):
@@ -77,7 +82,7 @@ def frames_table(entries: list[dict[str, Any]]) -> str:
     return text.getvalue()
 
 
-def _clip_scorer(run: Path, record: Record, domain: Domain) -> Callable[[str], Measurement]:
+def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]) -> Callable[[str], Measurement]:
     """What measures all frames of a technique as one clip; the techniques share their alignment."""
     frames = record.frames
     width, height = record.sequence["size"]
@@ -91,7 +96,9 @@ def _clip_scorer(run: Path, record: Record, domain: Domain) -> Callable[[str], M
     def score(name: str) -> Measurement:
         test = _clip(run, record, name, frames)
         error = half_difference if reference is not None else None
-        return measure(test, reference, domain=domain, reference_error=error, alignment=shared)
+        found = measure(test, reference, domain=domain, reference_error=error, alignment=shared, threads=1)
+        found.scores |= all_peer_scores(peers, test, reference)
+        return found
 
     return score
 
@@ -136,10 +143,13 @@ def _clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
         alpha = read_frame(frame_path(run, REFERENCE, frames[t]))[..., 3]
         return np.where(np.abs(alpha - 1.0) < ALPHA_ROUNDING, covered, 0.0).astype(np.float32)
 
+    viewing = record.sequence.get("viewing", {})
     return Clip(
         frame=picture,
         count=len(frames),
         fps=record.sequence["fps"],
+        pixels_per_degree=viewing.get("pixels_per_degree"),
+        luminance=viewing.get("luminance"),
         motion=_uniform_motion(record, frames) or (lambda t: geometry(t).motion),
         coverage=coverage,
         depth=lambda t: geometry(t).depth,
@@ -166,6 +176,7 @@ def _entry(record: Record, technique: str, found: Measurement) -> dict[str, Any]
         "sequence": record.sequence["name"],
         "technique": technique,
         "scores": found.scores,
+        "errors": found.errors,
         "absent": found.absent,
         "frames": frames,
         "curves": found.curves,

@@ -8,7 +8,9 @@ from typing import Any
 
 from sequences import Sequence
 from swimlab import __version__
+from swimlab.catalogue import technique_settings
 from swimlab.record import RunError
+from swimlab.technique import Settings
 
 
 @dataclass(frozen=True)
@@ -24,31 +26,40 @@ class Plan:
     samples: int = 64
     half: bool = True
 
-    def content(self) -> dict[str, Any]:
-        """All that decides the pixels, but for map files: what the settings hash is taken of."""
-        from swimlab.catalogue import techniques
+    def sequence_in_full(self) -> dict[str, Any]:
+        """The sequence with every default, and every technique's settings, filled in; plain values."""
+        settings = {name: chosen.model_dump() for name, chosen in self._settings().items()}
+        return self.sequence.model_dump(mode="json") | {"techniques": settings}
 
-        given = self.sequence.techniques
-        settings = {
-            name: technique.settings.model_validate(given.get(name, {})).model_dump()
-            for name, technique in techniques().items()
-        }
-        return {
+    def digest(self) -> str:
+        """The settings hash: 16 hexadecimal digits over all that decides the pixels, the map files' bytes included.
+
+        Of the techniques' settings only those that are not the default count, so that one more technique, or one more
+        setting, does not make earlier runs and baselines strangers.
+        """
+        content = {
             "swimlab": __version__,
-            "sequence": self.sequence.model_dump(mode="json", exclude={"techniques"}) | {"techniques": settings},
+            "sequence": self.sequence.model_dump(mode="json", exclude={"techniques", "viewing"}),
+            "techniques": {n: s for n, chosen in self._settings().items() if (s := _changed(chosen))},
             "samples": self.samples,
             "half": self.half,
         }
-
-    def digest(self) -> str:
-        """The settings hash: 16 hexadecimal digits over `content` and the bytes of the map files."""
-        digest = hashlib.sha256(json.dumps(self.content(), sort_keys=True).encode())
+        digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode())
         material = self.sequence.scene.material
         for key in ("albedo", "normal", "gloss"):
             path = self.sequence.map_path(getattr(material, key))
             if path is not None and path.is_file():
                 digest.update(path.read_bytes())
         return digest.hexdigest()[:16]
+
+    def _settings(self) -> dict[str, Settings]:
+        given = self.sequence.techniques
+        return {n: known.model_validate(given.get(n, {})) for n, known in technique_settings().items()}
+
+
+def _changed(settings: Settings) -> dict[str, Any]:
+    defaults = type(settings)().model_dump()
+    return {key: value for key, value in settings.model_dump().items() if value != defaults[key]}
 
 
 def parse_frames(text: str, count: int) -> tuple[int, ...]:

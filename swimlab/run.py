@@ -86,9 +86,8 @@ def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
 
     Raises RunError where the folder holds other settings; with `force` their pictures are removed instead.
     """
-    content = plan.content()
     fresh = Record(
-        sequence=content["sequence"],
+        sequence=plan.sequence_in_full(),
         settings={"samples": plan.samples, "half": plan.half},
         hash=plan.digest(),
         uniform_velocity=plan.sequence.motion.uniform_velocity,
@@ -97,7 +96,7 @@ def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
     )
     before = _earlier(run, force=force)
     if before is not None and before.hash == fresh.hash:
-        before.provenance = fresh.provenance
+        before.provenance, before.sequence = fresh.provenance, fresh.sequence
         return before
     if before is not None and not force:
         raise RunError(

@@ -73,8 +73,8 @@ def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered:
 def shade_grid(shot: Shot, texture_filter: wp.Function, grid: Any, n: int) -> Callable[..., None]:
     """What rasterises and shades a strip of a grid, of the screen or of a target in texture space.
 
-    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), and fills rows of the latter two from
-    `row` on (default: the strip's own). Kernels are made here, once, and not in the threads that call it.
+    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), and fills rows of the latter two
+    from `row` on (default: the strip's own). Kernels are made here, once, and not in the threads that call it.
     """
     launcher, chain, texels, sun = shot.launcher, shot.material.shape, shot.material.texels, shot.sun
     kernel = shade_samples(texture_filter, shot.shade_packet, n > 1)

@@ -4,15 +4,19 @@ from pathlib import Path
 
 
 def info_command(what: str, /) -> int:
-    """Say what a sequence or a run folder holds.
+    """Say what a sequence, a run folder or frames of your own hold.
 
     Parameters
     ----------
     what:
-        A run folder, the name of a sequence in the library, or a .toml file.
+        A run folder, the name of a sequence in the library, a .toml file; or frames: a pattern, a folder, a file.
     """
+    from swimlab.footage.pattern import holds_frames
     from swimlab.record import Record
 
+    if holds_frames(what):
+        print_frames(what)
+        return 0
     if not Path(what).is_dir():
         print_sequence(what)
         return 0
@@ -29,6 +33,14 @@ def info_command(what: str, /) -> int:
         print(f"{key:<11} {value}")
     print(f"measured    {'yes' if (Path(what) / 'scores.json').is_file() else 'no'}")
     return 0
+
+
+def print_frames(name: str) -> None:
+    """Print what frames were taken for: range, channels, size, type, colour space, motion convention."""
+    from swimlab.footage.describe import describe
+
+    for heading, value in describe(name):
+        print(f"{heading:<11} {value}")
 
 
 def print_sequence(name: str) -> None:

@@ -11,10 +11,14 @@ from swimlab import __version__
 COMMANDS = {
     "study": "Render the techniques and the reference, measure them and write a report.",
     "render": "Render a sequence under one or several techniques into a run folder.",
-    "measure": "Measure the techniques of a run folder against its reference.",
+    "measure": "Measure the techniques of a run folder against its reference, or frames of your own.",
     "report": "Write the report of run folders that have been measured.",
+    "gate": "Hold the scores of runs to a gate file, for CI.",
+    "baseline": "Record the scores of runs as the baseline of a gate.",
     "list": "List techniques, sequences, brdfs or metrics.",
-    "info": "Say what a sequence or a run folder holds.",
+    "info": "Say what a sequence, a run folder or frames of your own hold.",
+    "selftest": "Measure clips with known answers and show both.",
+    "bench": "Time the measures, in frames a second.",
     "doctor": "Check that everything swimlab needs works on this machine.",
     "schema": "Print the JSON schema of sequence files, for editors.",
 }

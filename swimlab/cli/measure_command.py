@@ -3,25 +3,33 @@
 import json
 import shlex
 import sys
+from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from swimlab.cli.footage_options import Footage
 from swimlab.cli.progress import progress
 from swimlab.measure import Domain
-from swimlab.record import Record
+from swimlab.record import Record, RunError
 
 
 def measure_command(
-    run: Path,
+    run: Path | None = None,
     /,
     *,
+    footage: Footage | None = None,
     domain: Domain = "linear",
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    peers: str | None = None,
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
-    """Measure the techniques of a run folder against its reference; write scores.json and frames.csv into it.
+    """Measure the techniques of a run folder against its reference, or frames of your own (--test).
+
+    The scores of a run folder are written into it, as scores.json and frames.csv.
 
     Parameters
     ----------
@@ -29,12 +37,28 @@ def measure_command(
         Run folder.
     domain:
         Measure linear radiance, or display codes (exposure 1, clamped, sRGB).
+    output:
+        Write the scores to this file too, as JSON.
+    peers:
+        Metrics of other projects to add as columns, with commas: flip, flip-oiio, vdp.
     json_output:
         Print the scores as JSON instead of a table.
     quiet:
-        Show no progress.
+        Show no progress, and no notes.
     """
-    scores = measure_with_progress(run, domain, quiet=quiet)
+    footage = footage or Footage()
+    others = tuple(name.strip() for name in peers.split(",")) if peers else ()
+    if (run is None) == (footage.test is None):
+        raise RunError("measure either a run folder or frames of your own: give RUN or --test, one of them")
+    if run is not None:
+        _refuse_footage(footage)
+        scores = measure_with_progress(run, domain, peers=others, quiet=quiet)
+    else:
+        scores = _measure_footage(footage, domain, peers=others, quiet=quiet)
+    if output is not None:
+        from swimlab.files import write_json
+
+        write_json(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
     else:
@@ -44,7 +68,7 @@ def measure_command(
     return 0
 
 
-def measure_with_progress(run: Path, domain: Domain, *, quiet: bool) -> dict[str, Any]:
+def measure_with_progress(run: Path, domain: Domain, *, peers: Sequence[str] = (), quiet: bool) -> dict[str, Any]:
     """Measure a run, showing how far it is."""
     from swimlab.measure import measure_run
     from swimlab.record import REFERENCE
@@ -52,4 +76,38 @@ def measure_with_progress(run: Path, domain: Domain, *, quiet: bool) -> dict[str
     record = Record.read(run)
     tests = [name for name in record.techniques if name != REFERENCE]
     with progress(f"measuring {record.sequence['name']}", len(tests), quiet=quiet) as advance:
-        return measure_run(run, domain=domain, command=shlex.join(["swimlab", *sys.argv[1:]]), advance=advance)
+        command = shlex.join(["swimlab", *sys.argv[1:]])
+        return measure_run(run, domain=domain, peers=peers, command=command, advance=advance)
+
+
+def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool) -> dict[str, Any]:
+    """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
+    from swimlab.footage.measure import measure_subject
+    from swimlab.footage.subject import Subject
+
+    def say(text: str) -> None:
+        if not quiet:
+            print(f"swimlab: {text}", file=sys.stderr)
+
+    subject = Subject(footage.request(domain), say)
+    with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
+        command = shlex.join(["swimlab", *sys.argv[1:]])
+        scores = measure_subject(subject, peers=peers, command=command, advance=lambda *_: advance(""))
+    for family, reason in _absent_families(scores["sequences"][0]).items():
+        say(f"no {family}: {reason}")
+    return scores
+
+
+def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
+    """Families of scores ("budget") of which there is none, each with a reason why."""
+    there = {name.partition(".")[0] for name in entry["scores"]}
+    absent = {name.partition(".")[0]: reason for name, reason in reversed(entry["absent"].items())}
+    return {family: reason for family, reason in sorted(absent.items()) if family not in there}
+
+
+def _refuse_footage(footage: Footage) -> None:
+    """Raise RunError where options for frames of one's own come with a run folder, whose files say all that."""
+    given = [f.name for f in fields(footage) if getattr(footage, f.name) != f.default]
+    if given:
+        option = given[0].replace("range_of_", "").replace("_", "-")
+        raise RunError(f"--{option}: is for frames of your own, with --test; a run folder knows it by itself")

@@ -52,7 +52,7 @@ class Rendering:
 
         sequence = load_sequence(sequence_name)
         if self.size is not None:
-            sequence = sequence.with_changes(size=_size(self.size))
+            sequence = sequence.with_changes(size=parse_size(self.size))
         if self.threads is not None and self.threads < 1:
             raise RunError(f"--threads {self.threads}: must be at least 1")
         return Plan(
@@ -96,7 +96,8 @@ def run_folder(name: str) -> Path:
     return Path("runs") / name
 
 
-def _size(text: str) -> tuple[int, int]:
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height from WIDTHxHEIGHT. Raises RunError."""
     from swimlab.record import RunError
 
     try:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from metrics import METRICS
 from swimlab.record import REFERENCE
 from swimlab.report.charts import number
+from swimlab.resolution import MARK, unresolved
 
 Entry = Mapping[str, Any]
 Scores = Mapping[str, float]
@@ -69,6 +70,7 @@ COLUMNS = (
     Column("share of flicker", "budget.flicker", _share, _percent, False),
     Column("residual flicker", "residual.flicker", _root, _aligned, True),
     Column("reference's residual", "residual.flicker.reference", _root, _aligned, False),
+    Column("visible flicker", "visible.flicker", _same, _aligned, True),
     Column("on plane", "plane.on", _same, _percent, False),
     Column("order 1", "plane.order1", _same, _percent, True),
     Column("order 2", "plane.order2", _same, _percent, True),
@@ -119,16 +121,30 @@ def _cells(
         for entry, value in zip(entries, values, strict=True)
     ]
     known = [d for d in far if d is not None]
+    close = unresolved(entries, column.score) if column.ranked else set()
     cells = []
-    for value, distance, reason in zip(values, far, reasons, strict=True):
+    for entry, value, distance, reason in zip(entries, values, far, reasons, strict=True):
         mark = ""
         if distance is not None and min(known) < max(known):
             mark = "best" if distance == min(known) else "worst" if distance == max(known) else ""
         if value is None:
             cells.append(Cell("—", "", reason or "not measured"))
         else:
-            cells.append(Cell(column.text(value), mark, f"{value:.6g}" + (f", {mark} of this column" if mark else "")))
+            sign = MARK if entry["technique"] in close else ""
+            cells.append(Cell(sign + column.text(value), mark, _about(column, entry, value, mark, sign)))
     return cells
+
+
+def _about(column: Column, entry: Entry, value: float, mark: str, sign: str) -> str:
+    error = entry.get("errors", {}).get(column.score)
+    parts = [f"{value:.6g}"]
+    if error is not None:
+        parts.append(f"{column.score} {entry['scores'][column.score]:.4g} ± {error:.2g} (standard error)")
+    if mark:
+        parts.append(f"{mark} of this column")
+    if sign:
+        parts.append("not resolved from the next better technique")
+    return ", ".join(parts)
 
 
 def headline(entries: Sequence[Entry]) -> str:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from metrics.clip import Clip
 from metrics.spans import align
-from metrics.spectra import batches, energy
+from metrics.spectra import Pictures, batches, energy
 from metrics.tiles import SIZES, lay, split, window
 
 
@@ -59,18 +59,19 @@ def test_small_tiles_are_laid_only_where_no_larger_one_could_stand():
 @given(seed=st.integers(0, 2**32 - 1), dx=st.floats(-3, 3), dy=st.floats(-3, 3))
 def test_spectra_keep_the_energy_of_the_windowed_pixels(seed, dx, dy, tolerance):
     random = np.random.default_rng(seed)
-    pictures = random.standard_normal((3, 3, 80, 90))
+    pictures = random.standard_normal((3, 3, 80, 90), dtype=np.float32)
     clip = Clip(lambda t: np.moveaxis(pictures[t], 0, 2), 3, motion=(dx, dy))
     (span,) = align(clip).spans
     for t in range(3):
-        for batch in batches(span, t, test=pictures[t], error=pictures[t], half_difference=None):
+        for batch in batches(span, t, Pictures(pictures[t], pictures[t])):
             spectral = energy(batch.error)
             assert spectral == pytest.approx(batch.pixel_energy, rel=tolerance("parseval"))
 
 
 def test_a_glued_pattern_has_the_same_spectrum_in_every_frame(texture, centres, tolerance):
     pattern, (x, y) = texture(7), centres(100, 100)
-    frames = [np.moveaxis(pattern.at(x - 0.37 * t, y - 0.61 * t), 2, 0) for t in range(2)]
+    frames = [np.moveaxis(pattern.at(x - 0.37 * t, y - 0.61 * t), 2, 0).copy() for t in range(2)]
+    frames = [frame.astype(np.float32) for frame in frames]
     (span,) = align(Clip(lambda t: np.moveaxis(frames[t], 0, 2), 2, motion=(0.37, 0.61))).spans
-    first, second = (next(batches(span, t, test=frames[t], error=None, half_difference=None)).test for t in range(2))
+    first, second = (next(batches(span, t, Pictures(frames[t]))).test for t in range(2))
     assert energy(second - first).sum() < tolerance("glued") * energy(first).sum()

@@ -6,31 +6,15 @@ import pytest
 from metrics import Clip, align, measure
 from metrics.correspondence import follow
 from metrics.spans import uniform_steps
+from metrics.synthetic import Rotation
 
 FRAMES, SIZE = 24, 150
 NAMES = ["budget", "residual", "measured"]
 
 
-class Rotation:
-    """The picture turns about its centre by so many degrees a frame."""
-
-    def __init__(self, degrees, centres):
-        self.turn = np.radians(degrees)
-        x, y = centres(SIZE, SIZE)
-        self.x, self.y = x - SIZE / 2, y - SIZE / 2
-
-    def surface(self, t):
-        cos, sin = np.cos(self.turn * t), np.sin(self.turn * t)
-        return self.x * cos + self.y * sin, self.y * cos - self.x * sin
-
-    def motion(self, t):
-        x, y = self.surface(1)
-        return np.stack([self.x - x, self.y - y], axis=-1).astype(np.float32)
-
-
 @pytest.fixture(scope="module")
-def rotation(centres):
-    return Rotation(4.0, centres)
+def rotation():
+    return Rotation(4.0, (SIZE, SIZE))
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +47,7 @@ def test_a_glued_error_under_rotation_hardly_flickers(rotation, reference, textu
 
 def test_a_screen_fixed_error_and_noise_under_rotation_are_flicker(rotation, reference, texture, alignment, tolerance):
     random = np.random.default_rng(5)
-    fixed = 0.1 * texture(13).at(rotation.x, rotation.y)
+    fixed = 0.1 * texture(13).at(*rotation.surface(0))
     for error in (lambda _: fixed, lambda _: random.standard_normal((SIZE, SIZE, 3))):
         assert flicker(rotation, reference, error, alignment)[0] > tolerance("moving")
 

@@ -117,3 +117,13 @@ def test_scale_runs_are_measured_by_scale_scores_alone(swimlab):
         assert all(name.startswith("scale.") for name in entry["scores"])
     aniso, tsl = (entry["scores"]["scale.rmse"] for entry in entries)
     assert tsl < aniso
+
+
+def test_peers_are_columns_beside_the_scores(study, swimlab):
+    code, out, err = swimlab("measure", study[0], "--peers", "flip-oiio", "--json", "-q")
+    assert code == 0, err
+    values = {e["technique"]: e["scores"]["flip-oiio.mean"] for e in json.loads(out)["sequences"]}
+    assert values["tsl"] < values["pixel-aniso"]
+    code, _, err = swimlab("measure", study[0], "--peers", "psnr", "-q")
+    assert code == 2
+    assert "--peers psnr" in err

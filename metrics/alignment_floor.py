@@ -1,0 +1,71 @@
+"""How much flicker the unwarping of non-uniform motion makes by itself."""
+
+from collections import defaultdict
+
+from metrics.bands import BANDS, describe
+from metrics.glued import LIMIT
+from metrics.measurement import Context, Measurement, Metric
+from metrics.ratios import Ratios
+from metrics.spans import Span
+from metrics.spectra import Batch
+from metrics.tiles import Level
+
+_TEXT = (
+    f"share of a glued pattern's energy, content below {LIMIT:g} cycles/px, that reads as flicker: the measure's own"
+)
+_SOURCE = "a pattern followed through the clip's own motion fields; middle span"
+
+SCORES = {"budget.alignment_floor": Metric("1", "information", _TEXT, _SOURCE)} | {
+    f"budget.alignment_floor.{band}": Metric("1", "information", f"{_TEXT}; {describe(band)}", _SOURCE)
+    for band in BANDS
+}
+
+
+class AlignmentFloor:
+    """Flicker of a glued pattern, in total and by band of distance."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._ratios: dict[str, Ratios] = defaultdict(Ratios)
+        self._unwarped = False
+
+    def held(self, level: Level) -> float:
+        del level
+        return 0.0
+
+    def begin(self, span: Span) -> None:
+        if span.glued is None:
+            return
+        self._unwarped = True
+        if span.part > 0 or not span.start <= self._context.count // 2 < span.stop:
+            return
+        for tiles in span.glued.floor():
+            self._ratios["all"].add(tiles.size, tiles.energy, {"flicker": tiles.flicker})
+            for number, band in enumerate(BANDS):
+                if tiles.bands is not None:
+                    inside = tiles.bands == number
+                    self._ratios[band].add(tiles.size, tiles.energy[inside], {"flicker": tiles.flicker[inside]})
+
+    def add(self, batch: Batch) -> None:
+        """Nothing to learn from pictures."""
+
+    def end(self) -> None:
+        """Nothing to close."""
+
+    def finish(self) -> Measurement:
+        found = Measurement()
+        for group in ("all", *BANDS):
+            name = "budget.alignment_floor" if group == "all" else f"budget.alignment_floor.{group}"
+            ratios = self._ratios[group]
+            if not self._unwarped:
+                found.absent[name] = "the picture moves as one: nothing is unwarped"
+            elif group != "all" and not self._context.has_depth:
+                found.absent[name] = "needs depth"
+            elif ratios.weight == 0:
+                found.absent[name] = "no tile stays wholly covered"
+            else:
+                found.put(name, ratios.value("flicker"), "", error=ratios.error("flicker"))
+        return found
+
+
+MEASURE = AlignmentFloor

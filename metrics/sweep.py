@@ -1,0 +1,83 @@
+"""The sweep over a clip: frames are read and aligned by one thread while others transform those before."""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+
+from metrics.clip import Image
+from metrics.measurement import Measure
+from metrics.parts import Piece, parts, pieces
+from metrics.spans import Span
+from metrics.spectra import Pictures, TileTransform, transform_piece, transforms
+from metrics.tiles import Level
+
+CHUNK = 4
+"""Frames at most that a piece of tiles is followed through while it stays in the cache."""
+
+# Share of the memory for two chunks of frames.
+_FRAMES = 0.2
+
+# Bytes a pixel while a frame is read, and while a correspondence is followed (double precision, 200 measured).
+_READING = 60.0
+_FOLLOWING = 220.0
+
+Read = Callable[[int], Sequence[Image]]
+Ready = tuple[int, Pictures, list[TileTransform]]
+
+
+class Sweep:
+    """Feeds measures with the spectra of spans, in no more memory than was given."""
+
+    def __init__(self, measures: Sequence[Measure], read: Read, *, memory: float, threads: int | None) -> None:
+        """read: frame -> the test, the error and the half-difference of the reference, as many as there are."""
+        self._measures, self._read, self._memory = measures, read, memory
+        self._pool = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)))
+
+    def __enter__(self) -> "Sweep":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: BaseException | TracebackType | None) -> None:
+        self._pool.shutdown(wait=True, cancel_futures=kind is not None)
+
+    def run(self, span: Span, advance: Callable[[int], object]) -> None:
+        """Feed a span; `advance` is told the number of frames done, in the clip."""
+        height, width = span.shape
+        frame = 36.0 * height * width
+        chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
+        making = _READING if span.correspondence is None else _FOLLOWING
+        room = self._memory - 2 * chunk * frame - making * height * width
+        some = list(parts(span, self._held, room))
+        for number, part in enumerate(some):
+            for measure in self._measures:
+                measure.begin(part)
+            before = span.start * len(some) + number * span.count
+            for done in self._feed(part, chunk):
+                advance((before + done) // len(some))
+            for measure in self._measures:
+                measure.end()
+
+    def _held(self, level: Level) -> float:
+        return sum(measure.held(level) for measure in self._measures)
+
+    def _feed(self, part: Span, chunk: int) -> Iterator[int]:
+        """Feed a part of a span; yields how many of its frames are done."""
+        chunks = [range(t, min(t + chunk, part.stop)) for t in range(part.start, part.stop, chunk)]
+        upcoming = [self._ready(part, t) for t in chunks[0]]
+        for following in [*chunks[1:], range(0)]:
+            current = upcoming
+            jobs = [self._pool.submit(self._follow, current, *piece) for piece in enumerate(pieces(part))]
+            upcoming = [self._ready(part, t) for t in following]
+            for job in jobs:
+                job.result()
+            yield from (t + 1 - part.start for t, *_ in current)
+
+    def _ready(self, part: Span, t: int) -> Ready:
+        return t, Pictures(*(part.align(picture, t) for picture in self._read(t))), transforms(part, t)
+
+    def _follow(self, frames: Sequence[Ready], number: int, piece: Piece) -> None:
+        """Feed a piece of tiles frame by frame."""
+        for t, pictures, transform in frames:
+            batch = transform_piece(t, number, piece, pictures, transform[piece.level])
+            for measure in self._measures:
+                measure.add(batch)

@@ -1,0 +1,46 @@
+"""`swimlab baseline`."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+
+def baseline_command(
+    action: Literal["update"],
+    gate: Path,
+    /,
+    *runs: Path,
+    count: Annotated[int | None, Parameter(name="--runs")] = None,
+) -> int:
+    """Record the scores of runs as the baseline of a gate; writes the file anew, whole.
+
+    Only scores that a rule of the gate speaks of are recorded. Several runs of the same sequence under the same
+    settings give their spread, which noise_sigma in a rule counts by.
+
+    Parameters
+    ----------
+    action:
+        What to do: update.
+    gate:
+        Gate file that names the baseline's file.
+    runs:
+        Measured run folders, folders of a study, or scores.json files.
+    count:
+        Refuse unless every technique on every sequence comes in so many runs.
+    """
+    from swimlab.gate.outcome import update_baseline
+    from swimlab.gate.rules import load_gate
+    from swimlab.gate.table import number
+    from swimlab.record import provenance
+
+    command = shlex.join(["swimlab", *sys.argv[1:]])
+    baseline = update_baseline(gate, runs, count=count, provenance=provenance(command))
+    for (sequence, technique), known in baseline.entries.items():
+        for name, (mean, sigma) in known.scores.items():
+            spread = "unknown" if sigma is None else number(sigma)
+            print(f"{sequence} {technique} {name} = {number(mean)}, sigma {spread} ({known.runs} runs)")
+    print(load_gate(gate).baseline_path)
+    return 0

@@ -1,0 +1,160 @@
+"""Options of the commands that read anyone's frames."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from swimlab.footage.convention import Convention
+    from swimlab.footage.source import Box
+    from swimlab.footage.subject import Request
+
+Hyphens = Parameter(allow_leading_hyphen=True)
+Flag = Parameter(negative="")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Footage:
+    """Frames of your own.
+
+    Parameters
+    ----------
+    test:
+        Frames to measure: a pattern with ####, %04d or 1-48x2####, a folder, or a video.
+    reference:
+        What they should look like, frame by frame.
+    motion:
+        How far the picture moves: dx,dy in px a frame (right and down), files of motion vectors, or estimate.
+    fps:
+        Frames a second (default: the file's own, else 60).
+    range_of_frames:
+        Frames to measure, as 1-48, 1-48x2 or 3,5.
+    channels:
+        Three channels with commas, one channel, or a layer's name (default: R,G,B).
+    colorspace:
+        Colour space of the files; auto: floats linear, integers as their metadata says, else 8 bit sRGB, 16 bit linear.
+    alpha:
+        Ignore alpha, measure only pixels of alpha 1, or divide premultiplied colours by it.
+    mask:
+        Picture, or one a frame: measured where its first channel is above 0.5.
+    crop:
+        Part of the picture to measure, x,y,width,height in px.
+    motion_convention:
+        What motion vectors mean; the options below change single points of it.
+    motion_channels:
+        Their two channels, x,y.
+    motion_unit:
+        Pixels, a picture 2 wide and high (ndc), or 1 wide and high (uv).
+    motion_direction:
+        Movement since the previous frame (backward), or until the next (forward).
+    motion_y:
+        Which way y is positive.
+    motion_scale:
+        A factor, or two as x,y; negative where vectors point to where the surface was.
+    motion_unverified:
+        Measure even if the motion does not fit the frames.
+    skip_bad_frames:
+        Leave out frames that are missing, damaged, of another size, or hold NaN; recorded in the scores.
+    pixels_per_degree:
+        Pixels to a degree of visual angle, for visibility.
+    luminance:
+        What radiance 1 is shown with, cd/m^2, for visibility.
+    """
+
+    test: str | None = None
+    reference: str | None = None
+    motion: Annotated[str | None, Hyphens] = None
+    fps: float | None = None
+    range_of_frames: Annotated[str | None, Parameter(name="--frames")] = None
+    channels: str | None = None
+    colorspace: Literal["auto", "linear", "srgb"] = "auto"
+    alpha: Literal["ignore", "mask", "unpremultiply"] = "ignore"
+    mask: str | None = None
+    crop: Annotated[str | None, Hyphens] = None
+    motion_convention: Literal["own", "blender", "unity", "nuke", "ndc", "uv"] = "own"
+    motion_channels: str | None = None
+    motion_unit: Literal["px", "ndc", "uv"] | None = None
+    motion_direction: Literal["backward", "forward"] | None = None
+    motion_y: Literal["down", "up"] | None = None
+    motion_scale: Annotated[str | None, Hyphens] = None
+    motion_unverified: Annotated[bool, Flag] = False
+    skip_bad_frames: Annotated[bool, Flag] = False
+    pixels_per_degree: float | None = None
+    luminance: float | None = None
+
+    def request(self, domain: Literal["linear", "display"]) -> "Request":
+        """What to measure. Raises FrameError for an option that cannot be read."""
+        from swimlab.footage.source import Look
+        from swimlab.footage.subject import Request
+        from swimlab.frames import FrameError
+
+        viewing = (("--pixels-per-degree", self.pixels_per_degree), ("--luminance", self.luminance))
+        for name, value in (("--fps", self.fps), *viewing):
+            if value is not None and not 0 < value < float("inf"):
+                raise FrameError(f"{name} {value:g}: must be above 0")
+        if self.test is None:
+            raise FrameError("--test: is missing; name the frames to measure, or a run folder")
+        return Request(
+            test=self.test,
+            reference=self.reference,
+            motion=self.motion,
+            mask=self.mask,
+            fps=self.fps,
+            frames=self.range_of_frames,
+            look=Look(channels=self.channels, colour_space=self.colorspace, alpha=self.alpha, crop=_crop(self.crop)),
+            convention=self._convention(),
+            domain=domain,
+            skip_bad_frames=self.skip_bad_frames,
+            unverified=self.motion_unverified,
+            pixels_per_degree=self.pixels_per_degree,
+            luminance=self.luminance,
+        )
+
+    def _convention(self) -> "Convention":
+        from swimlab.footage.convention import PRESETS
+        from swimlab.frames import FrameError
+
+        preset = PRESETS[self.motion_convention]
+        pairs = preset.channels
+        if self.motion_channels is not None:
+            names = tuple(name.strip() for name in self.motion_channels.split(","))
+            if len(names) != 2 or not all(names):
+                raise FrameError(f"--motion-channels {self.motion_channels}: give two, x,y")
+            pairs = ((names[0], names[1]),)
+        return replace(
+            preset,
+            channels=pairs,
+            unit=self.motion_unit or preset.unit,
+            direction=self.motion_direction or preset.direction,
+            y=self.motion_y or preset.y,
+            scale=preset.scale if self.motion_scale is None else _scale(self.motion_scale),
+        )
+
+
+def _crop(text: str | None) -> "Box | None":
+    from swimlab.footage.source import Box
+    from swimlab.frames import FrameError
+
+    if text is None:
+        return None
+    try:
+        x, y, width, height = (int(side) for side in text.split(","))
+    except ValueError as error:
+        raise FrameError(f"--crop {text}: give x,y,width,height in px, as 0,0,640,360") from error
+    return Box(x, y, width, height)
+
+
+def _scale(text: str) -> tuple[float, float]:
+    from math import isfinite
+
+    from swimlab.frames import FrameError
+
+    try:
+        factors = [float(factor) for factor in text.split(",")]
+    except ValueError:
+        factors = []
+    if len(factors) not in (1, 2) or not all(isfinite(factor) and factor != 0 for factor in factors):
+        raise FrameError(f"--motion-scale {text}: give a factor other than 0, or two as x,y")
+    return factors[0], factors[-1]

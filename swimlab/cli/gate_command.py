@@ -1,0 +1,82 @@
+"""`swimlab gate`."""
+
+import os
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from swimlab.gate.outcome import Outcome
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Reports:
+    """Where to write the outcome beside the table on standard output.
+
+    Parameters
+    ----------
+    json:
+        File for the outcome as JSON.
+    junit:
+        File for the outcome as JUnit XML.
+    summary:
+        File for the outcome as Markdown (default: appended to $GITHUB_STEP_SUMMARY where that is set).
+    annotations:
+        Print ::error and ::warning lines, which GitHub shows beside the change (default: where GITHUB_ACTIONS is set).
+    """
+
+    json: Path | None = None
+    junit: Path | None = None
+    summary: Path | None = None
+    annotations: bool | None = None
+
+    def write(self, outcome: "Outcome") -> None:
+        """Write every report that is wanted."""
+        from swimlab.files import write_json, write_text
+        from swimlab.gate import github
+        from swimlab.gate.junit import junit
+
+        if self.json is not None:
+            write_json(self.json, outcome.as_json())
+        if self.junit is not None:
+            write_text(self.junit, junit(outcome))
+        step_summary = os.environ.get("GITHUB_STEP_SUMMARY")
+        if self.summary is not None:
+            write_text(self.summary, github.summary(outcome))
+        elif step_summary:
+            with Path(step_summary).open("a", encoding="utf-8") as file:
+                file.write(github.summary(outcome))
+        wanted = self.annotations
+        if wanted is None:
+            wanted = os.environ.get("GITHUB_ACTIONS") == "true"
+        if wanted:
+            for line in github.annotations(outcome):
+                print(line)
+
+
+def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, Parameter(name="*")] = None) -> int:
+    """Hold the scores of runs to a gate file.
+
+    Exit code 0: all passed, perhaps with warnings; 1: a score is beyond its limit; 2: a score is missing, not a
+    number or of other settings than the baseline, or the gate could not run.
+
+    Parameters
+    ----------
+    gate:
+        Gate file: rules with limits, and the baseline to compare with.
+    runs:
+        Measured run folders, folders of a study, or scores.json files.
+    """
+    from swimlab.gate.outcome import run_gate
+    from swimlab.gate.table import print_table
+    from swimlab.record import provenance
+
+    outcome = run_gate(gate, runs, provenance=provenance(shlex.join(["swimlab", *sys.argv[1:]])))
+    print_table(outcome)
+    (reports or Reports()).write(outcome)
+    return outcome.exit_code

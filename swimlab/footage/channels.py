@@ -1,0 +1,87 @@
+"""Which channels of a file are its colour, its alpha or its motion."""
+
+from collections.abc import Sequence
+
+from swimlab.footage.header import Header, Part
+from swimlab.frames import FrameError
+
+_COLOUR = (("R", "G", "B"), ("r", "g", "b"), ("red", "green", "blue"))
+_ALPHA = ("A", "a", "alpha")
+
+
+def find_colour(header: Header, wanted: str | None, name: str) -> tuple[int, tuple[str, ...]]:
+    """The part and the three channels (one for grey) to measure.
+
+    wanted: channels with commas, or the name of a layer or part; None: R, G, B; else the only layer that has them; else
+    the only channel. Raises FrameError naming the file and what there is.
+    """
+    if wanted is not None:
+        listed = tuple(channel.strip() for channel in wanted.split(","))
+        if len(listed) not in (1, 3):
+            raise FrameError(f"--channels {wanted}: give three channels with commas, one channel, or a layer's name")
+        for index, part in enumerate(header.parts):
+            if all(channel in part.channels for channel in listed):
+                return index, listed
+        layers = [found for found in _layers(header) if len(listed) == 1 and found[0] == listed[0]]
+        if not layers:
+            raise FrameError(f"{name}: has no channels or layer {wanted}; it has {_list(header)}")
+        return layers[0][1:]
+    layers = _layers(header)
+    plain = [found for found in layers if set(found[2]) in map(set, _COLOUR)]
+    if plain or len(layers) == 1:
+        return (plain or layers)[0][1:]
+    colours = [(i, c) for i, part in enumerate(header.parts) for c in part.channels if c not in _ALPHA]
+    if not layers and len(colours) == 1:
+        return colours[0][0], (colours[0][1],)
+    raise FrameError(
+        f"{name}: which channels are the colour? It has {_list(header)}; name three, or a layer, with --channels"
+    )
+
+
+def find_alpha(part: Part, colour: Sequence[str]) -> str | None:
+    """The alpha that goes with colour channels: A beside R, G, B; layer.A beside layer.R."""
+    prefix = colour[0].rpartition(".")[0]
+    names = (f"{prefix}.{alpha}" if prefix else alpha for alpha in _ALPHA)
+    return next((name for name in names if name in part.channels), None)
+
+
+def find_pair(header: Header, pairs: Sequence[tuple[str, str]], name: str) -> tuple[int, tuple[str, str]]:
+    """The part and the first of the pairs of channels that a file has, by themselves or in a layer.
+
+    Raises FrameError naming the file and what there is.
+    """
+    for pair in pairs:
+        for index, part in enumerate(header.parts):
+            prefixes = [_prefix(channel, pair[0]) for channel in part.channels]
+            found = [prefix for prefix in prefixes if prefix is not None and prefix + pair[1] in part.channels]
+            if len(found) > 1 and "" not in found:
+                choices = " or ".join(f"{prefix}{pair[0]},{prefix}{pair[1]}" for prefix in found)
+                raise FrameError(f"{name}: has several motions; choose one with --motion-channels {choices}")
+            if found:
+                prefix = "" if "" in found else found[0]
+                return index, (prefix + pair[0], prefix + pair[1])
+    sought = " or ".join(",".join(pair) for pair in pairs)
+    raise FrameError(f"{name}: has no channels {sought}; it has {_list(header)}. Name them with --motion-channels x,y")
+
+
+def _prefix(channel: str, name: str) -> str | None:
+    """What stands before a name in a channel's name, "" or "layer."; None if it does not end so."""
+    before = channel.removesuffix(name)
+    return before if channel.endswith(name) and (not before or before.endswith(".")) else None
+
+
+def _layers(header: Header) -> list[tuple[str, int, tuple[str, ...]]]:
+    """Name, part and channels of every layer that has red, green and blue."""
+    found = []
+    for index, part in enumerate(header.parts):
+        for triple in _COLOUR:
+            for channel in part.channels:
+                prefix = _prefix(channel, triple[0])
+                if prefix is not None and all(prefix + each in part.channels for each in triple):
+                    layer = prefix.removesuffix(".") or part.name
+                    found.append((layer, index, tuple(prefix + each for each in triple)))
+    return found
+
+
+def _list(header: Header) -> str:
+    return "; ".join((f"{part.name}: " if part.name else "") + ", ".join(part.channels) for part in header.parts)

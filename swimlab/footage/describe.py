@@ -1,0 +1,60 @@
+"""What can be told of frames without measuring them."""
+
+from collections import Counter
+
+from swimlab.footage.channels import find_alpha, find_colour
+from swimlab.footage.colour import resolve
+from swimlab.footage.convention import guess
+from swimlab.footage.header import LOSSY, Header
+from swimlab.footage.pattern import frame_range
+from swimlab.footage.reader import open_frames
+from swimlab.frames import FrameError
+
+
+def describe(name: str) -> list[tuple[str, str]]:
+    """What a pattern, folder, file or video was taken for, as headings and values. Raises FrameError."""
+    reader = open_frames(name)
+    header = reader.header
+    lines = [
+        ("frames", f"{len(reader.numbers)}, {frame_range(reader.numbers)}"),
+        ("name", reader.name),
+        ("size", "{}x{}".format(*header.size)),
+    ]
+    for part in header.parts:
+        kinds = Counter(part.types)
+        kind = kinds.most_common(1)[0][0]
+        listed = [c if t == kind else f"{c} ({t})" for c, t in zip(part.channels, part.types, strict=True)]
+        lines.append((f"part {part.name}" if part.name else "channels", f"{', '.join(listed)}; {kind}"))
+    lossy = "; lossy: it makes flicker of its own" if header.compression in LOSSY else ""
+    lines.append(("compression", header.compression + lossy))
+    lines += _colour(header, name)
+    lines.append(("fps", f"{header.fps:g}" if header.fps else "not in the file; give --fps"))
+    motion = next((found for part in header.parts if (found := guess(part.channels))), None)
+    if motion is not None:
+        preset = motion.removesuffix("-forward")
+        lines.append(("motion", f"channels as of --motion-convention {preset}; verified when measured"))
+    try:
+        part_index, channels = find_colour(header, None, name)
+        problems = reader.problems(part_index, channels)
+    except FrameError:
+        problems = reader.problems(0, ())
+    lines += [("bad frame", problem) for _, problem in sorted(problems.items())]
+    return lines
+
+
+def _colour(header: Header, name: str) -> list[tuple[str, str]]:
+    """Which channels are measured, in which colour space, and what alpha there is."""
+    try:
+        index, channels = find_colour(header, None, name)
+    except FrameError:
+        return [("colour", "no channels that are plainly a colour; choose with --channels")]
+    part = header.parts[index]
+    stored_as = part.types[part.channels.index(channels[0])]
+    space = resolve("auto", stored_as=stored_as, metadata=header.colour_space)
+    said = f"the file says {header.colour_space}" if header.colour_space else "the file does not say"
+    alpha = find_alpha(part, channels)
+    kind = "not premultiplied" if header.unassociated else "premultiplied"
+    return [
+        ("colour", f"{', '.join(channels)}, taken as {space} ({said}); choose with --colorspace"),
+        ("alpha", f"{alpha}, {kind}, ignored; choose with --alpha" if alpha else "none"),
+    ]

@@ -1,0 +1,123 @@
+"""What an image file says of itself, and its stored values, through OpenImageIO."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swimlab.frames import FrameError, Image
+
+LOSSY = frozenset({"dwaa", "dwab", "b44", "b44a", "pxr24", "jpeg", "webp", "lossy video"})
+"""Compressions that change the pixels."""
+
+_COLOUR_CHUNKS = (b"sRGB", b"gAMA", b"cICP", b"iCCP")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part (OpenImageIO: subimage) of a file: its channels, and what each is stored as: uint8, half, float..."""
+
+    name: str
+    channels: tuple[str, ...]
+    types: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Header:
+    """size: width, height of the picture (EXR: of its display window).
+
+    colour_space: what the metadata says, None where it says nothing. unassociated: the colours are not premultiplied.
+    full_scale: codes from black to white of integers that do not use their whole range (video), else None.
+    """
+
+    size: tuple[int, int]
+    parts: tuple[Part, ...]
+    compression: str
+    colour_space: str | None = None
+    fps: float | None = None
+    unassociated: bool = False
+    full_scale: int | None = None
+
+
+def read_header(path: Path) -> Header:
+    """Read what a file says of itself. Raises FrameError where it is no image file that can be read."""
+    source = _open(path)
+    parts: list[Part] = []
+    first: Any = source.spec()
+    while source.seek_subimage(len(parts), 0):
+        spec = source.spec()
+        types = [str(kind) for kind in spec.channelformats] or [str(spec.format)] * spec.nchannels
+        name = spec.get_string_attribute("oiio:subimagename") or spec.get_string_attribute("name")
+        parts.append(Part(name, tuple(spec.channelnames), tuple(types)))
+    source.close()
+    suffix = path.suffix.lower()
+    rate = first.getattribute("FramesPerSecond")
+    if isinstance(rate, tuple):
+        rate = rate[0] / rate[1]
+    return Header(
+        size=(first.full_width, first.full_height),
+        parts=tuple(parts),
+        compression="jpeg" if suffix in (".jpg", ".jpeg") else first.get_string_attribute("compression") or suffix[1:],
+        colour_space=_colour_space(path, first),
+        fps=float(rate) if rate else None,
+        unassociated=bool(first.get_int_attribute("oiio:UnassociatedAlpha", 0)),
+    )
+
+
+def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
+    """The stored values of named channels [H, W, len(channels)] over the display window, 0 outside the data.
+
+    Integers are scaled to 0..1; colours are neither decoded nor multiplied. Raises FrameError.
+    """
+    import OpenImageIO as oiio  # noqa: N813
+
+    source = _open(path)
+    if not source.seek_subimage(part, 0):
+        raise FrameError(f"{path}: has no part {part}")
+    spec = source.spec()
+    names = list(spec.channelnames)
+    absent = [name for name in channels if name not in names]
+    if absent:
+        raise FrameError(f"{path}: has no channel {', '.join(absent)}; it has {', '.join(names)}")
+    pixels = source.read_image(part, 0, 0, len(names), oiio.FLOAT)
+    source.close()
+    if pixels is None:
+        raise FrameError(f"{path}: is damaged: {source.geterror()}")
+    chosen = np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)
+    return _in_display_window(chosen, spec)
+
+
+def _open(path: Path) -> Any:
+    import OpenImageIO as oiio  # noqa: N813
+
+    # Without this, OpenImageIO multiplies the colours of a PNG by its alpha.
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    source = oiio.ImageInput.open(str(path), config)
+    if source is None:
+        raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}")
+    return source
+
+
+def _in_display_window(pixels: Image, spec: Any) -> Image:
+    left, top = spec.x - spec.full_x, spec.y - spec.full_y
+    if (left, top, spec.width, spec.height) == (0, 0, spec.full_width, spec.full_height):
+        return pixels
+    whole = np.zeros((spec.full_height, spec.full_width, pixels.shape[2]), np.float32)
+    rows = slice(max(top, 0), min(top + spec.height, spec.full_height))
+    columns = slice(max(left, 0), min(left + spec.width, spec.full_width))
+    whole[rows, columns] = pixels[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
+    return whole
+
+
+def _colour_space(path: Path, spec: Any) -> str | None:
+    """The colour space that the file's own metadata names; OpenImageIO assumes sRGB of a PNG that says nothing."""
+    named: str = spec.get_string_attribute("oiio:ColorSpace")
+    if path.suffix.lower() == ".png":
+        with path.open("rb") as file:
+            head = file.read(4096).partition(b"IDAT")[0]
+        if not any(chunk in head for chunk in _COLOUR_CHUNKS):
+            return None
+    return named or None

@@ -1,0 +1,173 @@
+"""Hold scores to a gate. Nothing passes that is missing, not a number, or measured under other settings."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from math import isnan
+from typing import Literal
+
+from metrics import METRICS
+from sequences.problems import hint
+from swimlab.gate.baseline import Baseline, Known
+from swimlab.gate.evidence import Evidence
+from swimlab.gate.measured import Entry, Key
+from swimlab.gate.rules import Gate, Rule
+
+Status = Literal["pass", "warn", "fail", "unjudged"]
+Cell = tuple[str, str, str]
+"""Sequence, technique and metric."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """The outcome for one score.
+
+    rule: number of the rule that counts, from 1. limit: in words, as "<= 0.0012". base, sigma: of the baseline;
+    sigma is None where a single run says nothing of it. reason: why it did not pass, or what to beware of.
+    """
+
+    sequence: str
+    technique: str
+    metric: str
+    rule: int
+    status: Status
+    value: float | None = None
+    limit: str = ""
+    base: float | None = None
+    sigma: float | None = None
+    reason: str = ""
+    evidence: Evidence | None = None
+
+    @property
+    def name(self) -> str:
+        """The score in words, as "road-shift/tsl budget.flicker"."""
+        return f"{self.sequence}/{self.technique} {self.metric}"
+
+
+def judge(gate: Gate, entries: Sequence[Entry], baseline: Baseline | None) -> list[Check]:
+    """Check every score that a rule of the gate speaks of, in the order of sequence, technique and metric.
+
+    A score beyond its limit has the status "fail" or "warn", after the rule's level; one that cannot be judged
+    is "unjudged" whatever the level: missing from the run or the baseline, not a number, of other settings.
+    """
+    measured = {entry.key: entry for entry in entries}
+    known = baseline.entries if baseline is not None else {}
+    checks = []
+    for cell, rule in sorted(governed(gate, entries, baseline)):
+        entry = measured.get(cell[:2])
+        checks.append(_check(cell, rule, gate, entry, known.get(cell[:2])))
+    return checks
+
+
+def exit_code(checks: Iterable[Check]) -> int:
+    """1 where a score is beyond its limit, else 2 where one could not be judged, else 0."""
+    found = {check.status for check in checks}
+    return 1 if "fail" in found else 2 if "unjudged" in found else 0
+
+
+def governed(gate: Gate, entries: Iterable[Entry], baseline: Baseline | None) -> list[tuple[Cell, int]]:
+    """Every score that the rules speak of, with the number of the rule that counts, from 0.
+
+    Where a rule's pattern matches nothing, the pattern itself stands for what is missing.
+    """
+    names: dict[Key, set[str]] = {}
+    for entry in entries:
+        names.setdefault(entry.key, set()).update(entry.scores, entry.absent)
+    for key, known in (baseline.entries if baseline is not None else {}).items():
+        names.setdefault(key, set()).update(known.scores)
+    cells = dict.fromkeys(cell for rule in gate.rule if rule.level != "off" for cell in _cells(rule, names))
+    ruled = [(cell, gate.governing(*cell)) for cell in cells]
+    return [(cell, rule) for cell, rule in ruled if gate.rule[rule].level != "off"]
+
+
+def _cells(rule: Rule, names: dict[Key, set[str]]) -> Iterator[Cell]:
+    for sequence in _matching(rule.sequence, {key[0] for key in names}):
+        for technique in _matching(rule.technique, {key[1] for key in names if key[0] == sequence}):
+            for metric in _matching(rule.metric, names.get((sequence, technique), set())):
+                yield sequence, technique, metric
+
+
+def _matching(pattern: str, names: set[str]) -> list[str]:
+    return sorted(name for name in names if fnmatchcase(name, pattern)) or [pattern]
+
+
+def _check(cell: Cell, number: int, gate: Gate, entry: Entry | None, known: Known | None) -> Check:
+    check = Check(*cell, rule=number + 1, status="unjudged")
+    rule, metric = gate.rule[number], cell[2]
+    if entry is None:
+        return replace(check, reason="was not measured; give its run, or mend the rule's sequence and technique")
+    value = entry.scores.get(metric)
+    if value is None:
+        return replace(check, reason=_why_absent(metric, entry))
+    if isnan(value):
+        return replace(check, reason="is not a number; look for NaN and Inf in the frames and measure again")
+    check = replace(check, value=value)
+    base = known.scores.get(metric) if known is not None else None
+    if known is not None:
+        difference = entry.settings.difference(known.settings)
+        if difference:
+            return replace(
+                check,
+                reason=f"is not comparable with the baseline: {difference}; renew the baseline if the change is meant",
+            )
+    if base is not None:
+        check = replace(check, base=base[0], sigma=base[1])
+    elif gate.baseline is not None:
+        status: Status = "warn" if gate.baseline.missing == "warn" else "unjudged"
+        check = replace(check, status=status, reason="is not in the baseline; add it: swimlab baseline update")
+        if status == "unjudged":
+            return check
+    better = METRICS[metric].better if metric in METRICS else "information"
+    if rule.max_increase is None and {"lower": rule.max, "higher": rule.min}.get(better, 0.0) is None:
+        key = "max" if better == "lower" else "min"
+        return replace(check, status="unjudged", reason=f"{better} is better, so the rule has to give {key}")
+    return _against(check, value, list(_limits(rule, base, better)), rule, base)
+
+
+def _why_absent(metric: str, entry: Entry) -> str:
+    if metric in entry.absent:
+        return f"is absent: {entry.absent[metric]}; if it has to be, switch it off with a rule"
+    guess = "" if metric in METRICS or "*" in metric or "?" in metric else f" {hint(metric, METRICS)}"
+    return f"has not been measured{guess}; if it has to be so, switch it off with a rule"
+
+
+def _limits(rule: Rule, base: tuple[float, float | None] | None, better: str) -> Iterator[tuple[str, float]]:
+    """Each limit as (sign, bound): "<=" for a ceiling, ">=" for a floor.
+
+    max_increase turns where higher is better, and binds both ways where neither is.
+    """
+    if rule.max is not None:
+        yield "<=", rule.max
+    if rule.min is not None:
+        yield ">=", rule.min
+    if rule.max_increase is not None and base is not None:
+        allowed = rule.max_increase.allowance(base[0]) + (rule.noise_sigma or 0.0) * (base[1] or 0.0)
+        if better != "higher":
+            yield "<=", base[0] + allowed
+        if better != "lower":
+            yield ">=", base[0] - allowed
+
+
+def _against(
+    check: Check, value: float, limits: list[tuple[str, float]], rule: Rule, base: tuple[float, float | None] | None
+) -> Check:
+    """Compare a value with its limits; the tightest of each sign is shown."""
+    ceiling = min((bound for sign, bound in limits if sign == "<="), default=None)
+    floor = max((bound for sign, bound in limits if sign == ">="), default=None)
+    shown = [f"<= {ceiling:.4g}"] if ceiling is not None else []
+    shown += [f">= {floor:.4g}"] if floor is not None else []
+    check = replace(check, limit=" ".join(shown))
+    reasons = [check.reason] if check.reason else []
+    if rule.noise_sigma and base is not None and base[1] is None:
+        reasons.append("sigma unknown: the baseline is of one run, so nothing is granted for noise")
+    beyond = ""
+    if ceiling is not None and value > ceiling:
+        beyond = f"{value:.6g} is above {ceiling:.6g}"
+    elif floor is not None and value < floor:
+        beyond = f"{value:.6g} is below {floor:.6g}"
+    if beyond:
+        if base is not None and base[0]:
+            beyond += f", {100 * (value / base[0] - 1):+.1f}% against the baseline"
+        return replace(check, status="warn" if rule.level == "warn" else "fail", reason="; ".join([beyond, *reasons]))
+    status: Status = "warn" if check.status == "warn" else "pass"
+    return replace(check, status=status, reason="; ".join(reasons))

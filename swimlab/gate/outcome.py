@@ -1,0 +1,104 @@
+"""Run a gate: read, judge, look for evidence."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
+from swimlab.gate.evidence import find_evidence
+from swimlab.gate.judge import Check, Status, exit_code, governed, judge
+from swimlab.gate.measured import Entry, read_all, read_entries
+from swimlab.gate.rules import GateError, load_gate
+
+VERSION = 1
+"""Version of the format of a gate's JSON."""
+STATUSES: tuple[Status, ...] = ("fail", "unjudged", "warn", "pass")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a gate found. exit_code: 0 passed, perhaps with warnings; 1 failed; 2 something could not be judged."""
+
+    gate: Path
+    checks: Sequence[Check]
+    provenance: dict[str, Any]
+
+    @property
+    def exit_code(self) -> int:
+        """As the command ends."""
+        return exit_code(self.checks)
+
+    @property
+    def verdict(self) -> str:
+        """In words, as "gate.toml: FAILED: 1 fail, 3 pass"."""
+        counts = {status: sum(check.status == status for check in self.checks) for status in STATUSES}
+        word = ("passed", "FAILED", "COULD NOT BE JUDGED")[self.exit_code]
+        return f"{self.gate}: {word}: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count)
+
+    def as_json(self) -> dict[str, Any]:
+        """Ready for JSON: version, verdict, provenance and checks."""
+        return {
+            "version": VERSION,
+            "gate": str(self.gate),
+            "exit_code": self.exit_code,
+            "verdict": self.verdict,
+            "provenance": self.provenance,
+            "checks": [_check_json(check) for check in self.checks],
+        }
+
+
+def run_gate(path: Path, runs: Sequence[Path], *, provenance: dict[str, Any]) -> Outcome:
+    """Judge the scores of runs by a gate file, and picture the worst place of every score beyond its limit.
+
+    Raises GateError where the gate, its baseline or the scores cannot be read.
+    """
+    gate = load_gate(path)
+    baseline = read_baseline(gate)
+    entries = read_all(runs)
+    measured = {entry.key: entry for entry in entries}
+    checks = [_with_evidence(check, measured) for check in judge(gate, entries, baseline)]
+    if not checks:
+        raise GateError(f"{path}: every rule is off; a gate that checks nothing would always pass")
+    found = {"runs": [str(run) for run in runs], **provenance}
+    if baseline is not None:
+        found["baseline"] = baseline.provenance
+    return Outcome(path, checks, found)
+
+
+def update_baseline(path: Path, runs: Sequence[Path], *, count: int | None, provenance: dict[str, Any]) -> Baseline:
+    """Make the baseline of a gate from runs and write its file; several runs of a sequence give the spread.
+
+    count: how many runs of each technique on each sequence there must be; None: any number.
+    Raises GateError where the gate names no baseline, a run lacks a score that a rule speaks of, or runs differ.
+    """
+    gate = load_gate(path)
+    destination = gate.baseline_path
+    if destination is None:
+        raise GateError(f"{path}: names no baseline; add a [baseline] table with a file")
+    if not runs:
+        raise GateError("name at least one run folder, or a scores.json file")
+    entries = [entry for run in runs for entry in read_entries(run)]
+    baseline = make_baseline((cell for cell, _ in governed(gate, entries, None)), entries, provenance)
+    if not baseline.entries:
+        raise GateError(f"{path}: every rule is off; there is nothing to record")
+    for (sequence, technique), known in baseline.entries.items():
+        if count is not None and known.runs != count:
+            raise GateError(f"{technique} on {sequence}: has {known.runs} runs, --runs asks for {count}")
+    baseline.write(destination)
+    return baseline
+
+
+def _with_evidence(check: Check, measured: dict[tuple[str, str], Entry]) -> Check:
+    if check.status not in ("fail", "warn") or not check.limit:
+        return check
+    return replace(check, evidence=find_evidence(measured[check.sequence, check.technique], check.metric))
+
+
+def _check_json(check: Check) -> dict[str, Any]:
+    evidence = None
+    if check.evidence is not None:
+        crop = check.evidence.crop
+        region = check.evidence.region
+        evidence = {"frame": check.evidence.frame, "region": region, "crop": None if crop is None else str(crop)}
+    return {**vars(check), "evidence": evidence}

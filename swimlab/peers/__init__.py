@@ -1,0 +1,1 @@
+"""Other people's metrics as additional columns, one a file; they come with extras and are never the core."""
