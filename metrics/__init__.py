@@ -2,6 +2,7 @@
 
 from metrics.clip import Clip, ClipError
 from metrics.measurement import Measurement, Metric
+from metrics.ratios import resolved
 from metrics.registry import METRICS
 from metrics.scale import measure_scales
 from metrics.score import measure
@@ -17,4 +18,5 @@ __all__ = [
     "align",
     "measure",
     "measure_scales",
+    "resolved",
 ]

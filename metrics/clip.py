@@ -29,7 +29,7 @@ class Clip:
     pixels_per_degree: of visual angle, for measures of visibility.
     luminance: cd/m^2 that radiance 1 is shown with; None if unknown.
 
-    Raises ClipError if count, fps or a uniform motion is out of range, and on reading a bad frame.
+    Raises ClipError if count, fps, viewing or a uniform motion is out of range, and on reading a bad frame.
     """
 
     frame: FrameSource
@@ -47,6 +47,9 @@ class Clip:
             raise ClipError(f"a clip needs at least one frame, this one has {self.count}")
         if not (np.isfinite(self.fps) and self.fps > 0):
             raise ClipError(f"fps is {self.fps}; give frames a second, above 0")
+        for name, value in (("pixels per degree", self.pixels_per_degree), ("luminance", self.luminance)):
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise ClipError(f"{name} is {value}; give a number above 0, or leave it out")
         if not callable(self.motion) and not (len(self.motion) == 2 and np.all(np.isfinite(self.motion))):
             raise ClipError(f"motion is {self.motion}; give (dx, dy) in px a frame, or a field for every frame")
 

@@ -32,6 +32,9 @@ APART = MARGIN / 2
 _TOLERANCE = 1e-4
 _ROUNDS = 30
 
+# Points solved for at a time, to save memory.
+_POINTS = 2**18
+
 Places = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Field = NDArray[np.float64]
@@ -61,6 +64,13 @@ class Correspondence:
             return follow(self._clip, self._start, self._stop, rows)[0]
         return [None if places is None else places[:, rows] for places in self._held]
 
+    def course(self) -> Iterator[Places | None]:
+        """Places of all rows, frame by frame in the order of `glue`."""
+        if self._held is None:
+            return (places for _, places, _ in trace(self._clip, self._start, self._stop))
+        middle = (len(self._held) - 1) // 2
+        return iter([*self._held[middle::-1], *self._held[middle + 1 :]])
+
     def bytes_per_row(self) -> int:
         """Memory that the places of a row take for as long as they are used; none where they are held anyway."""
         return 8 * self._clip.shape[1] * (self._stop - self._start) if self._held is None else 0
@@ -73,49 +83,61 @@ def follow(clip: Clip, start: int, stop: int, rows: slice = slice(None)) -> tupl
     middle frame is seen, None for the middle frame itself; and [rows, W], true where that place is covered, off the
     edges, and not much smaller in every frame.
     """
+    places: list[Places | None] = [None] * (stop - start)
+    for t, place, landed in trace(clip, start, stop, rows):
+        places[t - start] = place
+        usable = landed
+    return places, usable
+
+
+def trace(clip: Clip, start: int, stop: int, rows: slice = slice(None)) -> Iterator[tuple[int, Places | None, Mask]]:
+    """What `follow` returns, frame by frame: the middle one first, then backwards and forwards from it.
+
+    The mask holds for the frames so far.
+    """
     middle = (start + stop - 1) // 2
     first, last, _ = rows.indices(clip.shape[0])
     # One row more on each side: how much smaller a surface gets is a difference of neighbours.
     outer = slice(max(0, first - 1), min(clip.shape[0], last + 1))
     kept = slice(first - outer.start, last - outer.start)
-    rest = np.indices(clip.shape, dtype=np.float64)[:, outer]
+    rest = np.indices((outer.stop - outer.start, clip.shape[1]), dtype=np.float64)
+    rest[0] += outer.start
     usable = _inner(clip, middle)[outer]
-    places: list[Places | None] = [None] * (stop - start)
+    yield middle, None, usable[kept]
     place = rest
-    for t in range(middle, start, -1):
-        moved = clip.moved(t)
+    for t in range(middle - 1, start - 1, -1):
+        moved = clip.moved(t + 1)
         place = place - _take(_spline(moved), place)
-        usable &= _lands(_inner(clip, t - 1, moved), place)
-        places[t - 1 - start] = place[:, kept].astype(np.float32)
+        usable &= _lands(_inner(clip, t, moved), place)
+        yield t, place[:, kept].astype(np.float32), usable[kept]
     place = rest
     for t in range(middle + 1, stop):
         moved = clip.moved(t)
         usable &= _lands(_inner(clip, t - 1, moved), place)
         place, found = _advance(_spline(moved), place)
         usable &= found & _lands(_inner(clip, t), place)
-        places[t - start] = place[:, kept].astype(np.float32)
-    return places, usable[kept]
+        yield t, place[:, kept].astype(np.float32), usable[kept]
 
 
-def glue(clip: Clip, start: int, stop: int) -> Iterator[tuple[int, NDArray[np.float64]]]:
+def glue(clip: Clip, start: int, stop: int) -> Iterator[NDArray[np.float64]]:
     """Where in a span's middle frame the surface lies that each pixel of the other frames sees.
 
-    Yields every frame with places [2, H, W] (y, x indices, px), the middle one first, then backwards and forwards
-    from it. The opposite of `follow`, and found in another way: pixel by pixel from one frame to the next.
+    Yields places [2, H, W] (y, x indices, px) of the middle frame first, then backwards and forwards from it. The
+    opposite of `follow`, and found in another way: pixel by pixel from one frame to the next.
     """
     middle = (start + stop - 1) // 2
     rest = np.indices(clip.shape, dtype=np.float64)
-    yield middle, rest
+    yield rest
     place = rest
     for t in range(middle - 1, start - 1, -1):
         ahead, _ = _advance(_spline(clip.moved(t + 1)), rest)
-        place = ahead + _take(_spline(np.moveaxis(place - rest, 0, 2)[:, :, ::-1]), ahead)
-        yield t, place
+        place = ahead + _take(_coefficients(place - rest), ahead)
+        yield place
     place = rest
     for t in range(middle + 1, stop):
         behind = rest - np.moveaxis(clip.moved(t), 2, 0)[::-1]
-        place = behind + _take(_spline(np.moveaxis(place - rest, 0, 2)[:, :, ::-1]), behind)
-        yield t, place
+        place = behind + _take(_coefficients(place - rest), behind)
+        yield place
 
 
 def unwarp(image: NDArray[Any], places: Places | None, usable: Mask, rows: slice) -> NDArray[np.float32]:
@@ -134,7 +156,11 @@ def unwarp(image: NDArray[Any], places: Places | None, usable: Mask, rows: slice
 
 def _spline(moved: NDArray[np.float64]) -> Field:
     """Spline coefficients [2, H, W] (y, x) of a motion field [H, W, 2] (x, y)."""
-    return np.stack([ndimage.spline_filter(moved[:, :, axis], order=FIELD_ORDER, mode="mirror") for axis in (1, 0)])
+    return _coefficients(np.moveaxis(moved, 2, 0)[::-1])
+
+
+def _coefficients(planes: NDArray[np.float64]) -> Field:
+    return np.stack([ndimage.spline_filter(plane, order=FIELD_ORDER, mode="mirror") for plane in planes])
 
 
 def _take(field: Field, place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -149,6 +175,15 @@ def _advance(field: Field, place: NDArray[np.float64]) -> tuple[NDArray[np.float
     Returns q, and where it was found: a surface that is covered up has no place. Each pixel stops by itself.
     """
     target = place.reshape(2, -1)
+    ahead, found = np.empty_like(target), np.empty(target.shape[1], dtype=bool)
+    for first in range(0, target.shape[1], _POINTS):
+        some = slice(first, first + _POINTS)
+        ahead[:, some], found[some] = _solve(field, target[:, some])
+    return ahead.reshape(place.shape), found.reshape(place.shape[1:])
+
+
+def _solve(field: Field, target: NDArray[np.float64]) -> tuple[NDArray[np.float64], Mask]:
+    """The same for some points [2, n]."""
     guess = target + _take(field, target)
     left = np.arange(target.shape[1])
     for _ in range(_ROUNDS):
@@ -160,7 +195,7 @@ def _advance(field: Field, place: NDArray[np.float64]) -> tuple[NDArray[np.float
             break
     found = np.ones(target.shape[1], dtype=bool)
     found[left] = False
-    return guess.reshape(place.shape), found.reshape(place.shape[1:])
+    return guess, found
 
 
 def _inner(clip: Clip, t: int, after: NDArray[np.float64] | None = None) -> Mask:
@@ -182,10 +217,10 @@ def _inner(clip: Clip, t: int, after: NDArray[np.float64] | None = None) -> Mask
 def _bends(moved: NDArray[np.float64], covered: Mask) -> Mask:
     """Where a motion field [H, W, 2] has an edge between covered pixels."""
     bent = np.zeros(covered.shape, dtype=bool)
-    for axis in (0, 1):
-        field, known, edge = (np.moveaxis(a, axis, 0) for a in (moved, covered, bent))
-        second = np.abs(field[2:] - 2 * field[1:-1] + field[:-2]).max(axis=2)
-        edge[1:-1] |= (second > BEND) & known[2:] & known[1:-1] & known[:-2]
+    for plane in np.moveaxis(moved, 2, 0).astype(np.float32):
+        for field, known, edge in ((plane, covered, bent), (plane.T, covered.T, bent.T)):
+            second = np.abs(np.diff(field, n=2, axis=0))
+            edge[1:-1] |= (second > BEND) & known[2:] & known[1:-1] & known[:-2]
     return bent
 
 
@@ -195,18 +230,20 @@ def _meet(moved: NDArray[np.float64], covered: Mask | None) -> Mask:
     moved: the motion [H, W, 2] into the next frame; covered: where it is known.
     """
     height, width = moved.shape[:2]
-    if np.all(np.ptp(moved, axis=(0, 1)) <= APART):
-        return np.zeros((height, width), dtype=bool)
-    row, column = np.indices((height, width))
-    row, column = (np.rint(p - moved[:, :, axis]).astype(np.intp) for p, axis in ((row, 1), (column, 0)))
+    met = np.zeros(height * width, dtype=bool)
+    planes = np.moveaxis(moved, 2, 0).astype(np.float32)
+    if max(map(np.ptp, planes)) <= APART:
+        return met.reshape(height, width)
+    column = np.rint(np.arange(width, dtype=np.float32)[None, :] - planes[0]).astype(np.int32)
+    row = np.rint(np.arange(height, dtype=np.float32)[:, None] - planes[1]).astype(np.int32)
     inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
     if covered is not None:
         inside &= covered
     place = (row * width + column)[inside]
-    met = np.zeros(height * width, dtype=bool)
-    for axis in (0, 1):
-        speed = moved[:, :, axis][inside]
-        slowest, fastest = np.full(height * width, np.inf), np.full(height * width, -np.inf)
+    for plane in planes:
+        speed = plane[inside]
+        slowest = np.full(height * width, np.inf, dtype=np.float32)
+        fastest = -slowest
         np.minimum.at(slowest, place, speed)
         np.maximum.at(fastest, place, speed)
         met |= fastest - slowest > APART

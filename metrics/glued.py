@@ -15,7 +15,7 @@ from metrics.tiles import Level
 LIMIT = 1 / 8
 """The pattern's highest frequency in the anchor frame, cycles/px: a quarter of the pixel Nyquist."""
 
-WAVES = 12
+WAVES = 6
 
 
 @dataclass(frozen=True)
@@ -51,15 +51,14 @@ class Glued:
     def _measure(self) -> list[TileFloor]:
         whole = slice(0, self.clip.shape[0])
         pattern = texture(0, limit=LIMIT, waves=WAVES)
-        places = self.correspondence.places(whole)
         transforms = [TileTransform(level, (0.0, 0.0)) for level in self.levels]
         # Differences to the first picture seen: their sum and energy give the variance without cancellation.
         first = [np.zeros((level.count, 1, *level.spectrum_shape), dtype=np.complex64) for level in self.levels]
         summed = [np.zeros_like(spectra) for spectra in first]
         squared, total = ([np.zeros(level.count) for level in self.levels] for _ in range(2))
-        for number, (t, (y, x)) in enumerate(glue(self.clip, self.start, self.stop)):
-            picture = pattern.at(x, y)[None, :, :, 0]
-            seen = unwarp(picture, places[t - self.start], self.correspondence.usable, whole)
+        course = zip(self.correspondence.course(), glue(self.clip, self.start, self.stop), strict=True)
+        for number, (places, (y, x)) in enumerate(course):
+            seen = unwarp(pattern.at(x, y)[None, :, :, 0], places, self.correspondence.usable, whole)
             for index, transform in enumerate(transforms):
                 spectra = transform.spectra(transform.blocks(seen, slice(None)))
                 total[index] += energy(spectra)

@@ -5,6 +5,7 @@ picture, area-filtered to that size, and with the reference at that size; only o
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from metrics.measurement import Measurement, Metric
 
 HIGHLIGHT = 95.0
 """Percentile of the scale-1 reference above which radiance is a highlight."""
+
+# Upright strips that are left out in turn for the standard errors.
+STRIPS = 8
 
 _SOURCE = "area filter by exact pixel overlap"
 
@@ -71,19 +75,60 @@ def measure_scales(
     seen = _whole(test[0])
     truth = own if reference is None else to_domain(reference[0].image(0), domain)
     bright = float(np.percentile(truth[:, seen], HIGHLIGHT)) if seen.any() else 0.0
-    rows = []
+    views = []
     for index, scale in enumerate(scales):
         picture = to_domain(test[index].image(0), domain)
         filtered = area_filter(own, *picture.shape[1:])
         whole = _whole(test[index]) & (area_filter(seen.astype(float), *picture.shape[1:]) > 1 - 1e-9)
-        if not whole.any():
-            continue
-        row = {"scale": float(scale)} | _compare(picture[:, whole], filtered[:, whole], bright)
-        if reference is not None:
-            exact = to_domain(reference[index].image(0), domain)
-            row["rmse"] = _relative_rmse(picture[:, whole], exact[:, whole])
-        rows.append(row)
-    return _report(rows, has_reference=reference is not None)
+        exact = None if reference is None else to_domain(reference[index].image(0), domain)
+        views.append(View(float(scale), picture, filtered, exact, whole))
+    found = _report(_rows(views, bright), has_reference=reference is not None)
+    found.errors = _errors(views, bright, found)
+    return found
+
+
+@dataclass(frozen=True)
+class View:
+    """Pictures [3, H, W] at one scale: the test's, its filtered scale-1 picture, the reference's; and where to look."""
+
+    scale: float
+    picture: NDArray[np.float64]
+    filtered: NDArray[np.float64]
+    exact: NDArray[np.float64] | None
+    whole: NDArray[np.bool_]
+
+    def without(self, strip: int) -> "View":
+        """Without one of STRIPS upright strips."""
+        width = self.whole.shape[1]
+        kept = (np.arange(width) + 0.5) * STRIPS // width != strip
+        return replace(self, whole=self.whole & kept)
+
+
+def _rows(views: Sequence[View], bright: float) -> list[dict[str, float]]:
+    """Figures of every scale that has something to look at."""
+    rows = []
+    for view in views:
+        if view.whole.any():
+            picture, filtered = view.picture[:, view.whole], view.filtered[:, view.whole]
+            row = {"scale": view.scale} | _compare(picture, filtered, bright)
+            if view.exact is not None:
+                row["rmse"] = _relative_rmse(picture, view.exact[:, view.whole])
+            rows.append(row)
+    return rows
+
+
+def _errors(views: Sequence[View], bright: float, found: Measurement) -> dict[str, float]:
+    """Standard errors by a jackknife that leaves out one upright strip at a time (Efron & Stein 1981)."""
+    has_reference = views[0].exact is not None
+    left = [
+        _report(_rows([view.without(strip) for view in views], bright), has_reference=has_reference).scores
+        for strip in range(STRIPS)
+    ]
+    return {
+        name: float(np.sqrt((STRIPS - 1) * np.var([scores[name] for scores in left])))
+        for name in found.scores
+        if all(name in scores for scores in left)
+    }
 
 
 def _check(test: Sequence[Clip], reference: Sequence[Clip] | None, scales: Sequence[float]) -> None:

@@ -26,7 +26,13 @@ LONGEST_UNWARPED = 32
 # A span may be so long that this share of what a single frame would show is still measured. Under a uniform motion
 # long spans cost nothing but area; unwarped ones also lose accuracy.
 KEPT = 0.2
-KEPT_UNWARPED = 0.3
+KEPT_UNWARPED = 0.45
+
+# Of a pure noise 1/T reads as static, and of an error fixed to the screen what it does not travel: spans shorter than
+# this, frames and px, are made only where the longer ones leave next to nothing, this share of enough.
+SHORTEST = 16
+SHORTEST_TRAVEL = 50.0
+LITTLE = 1 / 3
 
 ROOM = 256e6
 """Bytes that the correspondences of a clip may take."""
@@ -38,7 +44,8 @@ class Span:
 
     shape: [H, W] of the frames, px.
     offsets: how far the surface is from where the anchor frame has it, (y, x) px, for every frame; all 0 when
-        the pictures are unwarped to the anchor's grid, for which there is a `correspondence`.
+        the pictures are unwarped to the anchor's grid, for which there is a `correspondence`, and a pattern that is
+        `glued` to the surface by it.
     measured: share of the frame that the whole span's tiles weigh, 0..1.
     covered: share of wholly covered pixels in the anchor frame.
     bands: for every level the band of distance [n] of each tile; None without depth.
@@ -134,11 +141,18 @@ def plan(clip: Clip, steps: NDArray[np.float64] | None, *, room: float) -> Itera
         bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
         trial = bounds[number // 2]
         span = _span(clip, *trial, steps, room)
-        if span.measured >= enough or clip.count < 4 * number:
+        short = span.measured > LITTLE * enough and _too_short(clip.count / (2 * number), steps)
+        if span.measured >= enough or clip.count < 4 * number or short:
             break
         number *= 2
     for bound in bounds:
         yield span if bound == trial else _span(clip, *bound, steps, room)
+
+
+def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
+    """Whether a span of so many frames tells too little of what moves against the surface."""
+    travel = np.inf if steps is None or len(steps) < 2 else count * float(np.hypot(*steps[1:].mean(axis=0)))
+    return count < SHORTEST or travel < SHORTEST_TRAVEL
 
 
 def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, room: float) -> Span:

@@ -18,9 +18,12 @@ CHUNK = 4
 # Share of the memory for two chunks of frames.
 _FRAMES = 0.2
 
-# Bytes a pixel while a frame is read, and while a correspondence is followed (double precision, 200 measured).
+# Bytes a pixel while a frame is read, and while a correspondence is followed, in double precision.
 _READING = 60.0
-_FOLLOWING = 220.0
+_FOLLOWING = 300.0
+
+# Share of the memory that spectra and places may take at least: less would have frames read too often.
+_LEAST = 0.15
 
 Read = Callable[[int], Sequence[Image]]
 Ready = tuple[int, Pictures, list[TileTransform]]
@@ -46,7 +49,7 @@ class Sweep:
         frame = 36.0 * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
         making = _READING if span.correspondence is None else _FOLLOWING
-        room = self._memory - 2 * chunk * frame - making * height * width
+        room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - making * height * width)
         some = list(parts(span, self._held, room))
         for number, part in enumerate(some):
             for measure in self._measures:

@@ -32,9 +32,12 @@ class Texture:
 
     def at(self, x: Array, y: Array) -> Array:
         """Values [..., 3] at points (px), x and y broadcast; channels differ in phase only."""
-        across = np.exp(2j * np.pi * x[..., None] * self.frequency[:, 0])
-        along = np.exp(1j * (2 * np.pi * y[..., None] * self.frequency[:, 1] + self.phase))
-        waves = np.einsum("...n,...n->...", across, along)
+        waves = np.zeros(np.broadcast_shapes(x.shape, y.shape), dtype=np.complex128)
+        for (fx, fy), phase in zip(2 * np.pi * self.frequency, self.phase, strict=True):
+            if x.shape == y.shape:
+                waves += np.exp(1j * (x * fx + y * fy + phase))
+            else:
+                waves += np.exp(1j * (x * fx + phase)) * np.exp(1j * y * fy)
         channels = [np.real(waves * np.exp(1j * channel)) for channel in range(3)]
         return np.asarray(self.mean + np.stack(channels, axis=-1) * np.sqrt(2 / len(self.phase)))
 

@@ -6,7 +6,7 @@ import pytest
 from metrics import Clip, align, measure
 from metrics.correspondence import follow
 from metrics.spans import uniform_steps
-from metrics.synthetic import Rotation
+from metrics.synthetic import Rotation, centres
 
 FRAMES, SIZE = 24, 150
 NAMES = ["budget", "residual", "measured"]
@@ -86,3 +86,50 @@ def test_a_camera_that_shakes_is_aligned_without_interpolation(texture, centres,
     found = measure(clip, names=["residual", "plane"])
     assert found.scores["residual.flicker"] < tolerance("glued")
     assert "uniform" in found.absent["plane.on"]
+
+
+def test_the_alignment_floor_is_told_for_motion_that_is_not_uniform(rotation, reference, alignment, tolerance):
+    clip = Clip(reference.__getitem__, FRAMES, motion=rotation.motion, depth=lambda _: np.full((SIZE, SIZE), 7.0))
+    found = measure(clip, names=["budget.alignment_floor"])
+    for name in ("budget.alignment_floor", "budget.alignment_floor.mid"):
+        assert 0 < found.scores[name] < tolerance("alignment floor")
+    assert "no tile" in found.absent["budget.alignment_floor.near"]
+    still = measure(Clip(reference.__getitem__, FRAMES), names=["budget.alignment_floor"])
+    assert "moves as one" in still.absent["budget.alignment_floor"]
+
+
+class Occluder:
+    """A square that moves over a background, each with a texture glued to it."""
+
+    def __init__(self, behind, before, texture):
+        self.speeds, self.textures = (behind, before), [texture(seed, mean=2.0) for seed in (21, 22)]
+        self.x, self.y = np.broadcast_arrays(*centres(SIZE, SIZE))
+
+    def hidden(self, t):
+        (dx, dy) = self.speeds[1]
+        across, along = self.x - 30 - dx * t, self.y - 75 - dy * t
+        return ((np.abs(across) < 24) & (np.abs(along) < 24))[..., None]
+
+    def frame(self, t):
+        moved = ((self.x - dx * t, self.y - dy * t) for dx, dy in self.speeds)
+        back, front = (texture.at(*place) for texture, place in zip(self.textures, moved, strict=True))
+        return np.where(self.hidden(t), front, back)
+
+    def motion(self, t):
+        return np.where(self.hidden(t), self.speeds[1], self.speeds[0])
+
+
+@pytest.mark.parametrize("speed", [(1.1, 0.6), (4.0, 0.4), (23.0, 0.0)])
+def test_an_occluder_makes_no_flicker_in_what_is_measured(speed, texture, tolerance):
+    scene = Occluder((0.72, -0.3), speed, texture)
+    found = measure(Clip(scene.frame, 16, motion=scene.motion), names=["residual", "measured"]).scores
+    assert found["residual.flicker"] < tolerance("occluded")
+    assert 0.05 < found["measured.fraction"] < 0.9
+
+
+def test_a_masked_occluder_leaves_a_uniform_motion(texture, tolerance):
+    scene = Occluder((0.72, -0.3), (4.0, 0.4), texture)
+    clip = Clip(scene.frame, 16, motion=(0.72, -0.3), coverage=lambda t: 1.0 - scene.hidden(t)[..., 0])
+    found = measure(clip, names=["residual", "covered"]).scores
+    assert found["residual.flicker"] < tolerance("glued")
+    assert found["covered.fraction"] < 1
