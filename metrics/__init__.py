@@ -1,7 +1,10 @@
 """Measures of the stability of frames: what is glued to the surface, what flickers, swims or is aliased."""
 
+from metrics.bloom import Bloom
 from metrics.clip import Clip, ClipError
+from metrics.display import Display
 from metrics.measurement import Measurement, Metric
+from metrics.quantisation import quantisation
 from metrics.ratios import resolved
 from metrics.registry import METRICS
 from metrics.scale import measure_scales
@@ -11,12 +14,15 @@ from metrics.spans import Alignment, align
 __all__ = [
     "METRICS",
     "Alignment",
+    "Bloom",
     "Clip",
     "ClipError",
+    "Display",
     "Measurement",
     "Metric",
     "align",
     "measure",
     "measure_scales",
+    "quantisation",
     "resolved",
 ]

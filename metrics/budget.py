@@ -2,7 +2,10 @@
 
 At every point of the surface mean_t e^2 = (mean_t e)^2 + var_t e. In surface-locked spectra the first term splits
 orthogonally at |k| = CUT into the error of a neighbourhood's mean (bias) and lost or false detail; the second is
-flicker, with the population variance. So a constant span of T frames takes 1/T of a pure noise's energy as static.
+flicker. Of T frames of pure noise 1/T of the energy stands in the mean: Bessel's correction moves var_t e / (T - 1)
+from the static part to flicker, in every octave of |k|, but no more than there is over all tiles. So noise is flicker,
+in short clips as in long ones, the parts stay at or above 0, and they still add up to the squared error. An error that
+is fixed to the screen is static as far as it does not travel: 2 / (pi K travel) of content even in a disk |k| < K.
 The curve `budget.bands` has the static part and flicker by octave of |k|; both together add up to the squared error.
 """
 
@@ -15,7 +18,7 @@ from metrics.measurement import Context, Measurement, Metric
 from metrics.parts import pieces
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy, octave_energy
+from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy
 from metrics.tiles import Level
 
 CUT = 1 / 16
@@ -25,7 +28,7 @@ PARTS = {
     "mse": "squared error of the radiance",
     "bias": f"part of mse: static, below {CUT:g} cycles/px: a neighbourhood's mean is off",
     "detail": f"part of mse: static, from {CUT:g} cycles/px on: lost or false detail",
-    "flicker": "part of mse: changes in time on the surface: sparkle, swimming, noise",
+    "flicker": "part of mse: changes in time on the surface: sparkle, swimming, noise (Bessel's correction)",
     "floor": "the reference's own squared error, which no difference can be resolved below",
 }
 _SOURCE = "bias-variance decomposition over time, by Parseval on surface-locked tile spectra"
@@ -64,19 +67,20 @@ class Budget:
 
     def add(self, batch: Batch) -> None:
         row = (batch.frame - self._span.start, batch.piece)
-        self._sums["weight"][row] = 3 * batch.weight * len(batch.test)
         spectra = batch.test if batch.error is None else batch.error
+        self._sums["weight"][row] = 3 * batch.weight * len(spectra)
         last = self._last[batch.level][batch.tiles]
         self._sums["change"][row] = energy(spectra - last).sum() / 2
         last[...] = spectra
-        if batch.error is None or batch.pixel_energy is None or self._running is None:
+        squared, noise = batch.pixel_energy, batch.floor_energy
+        if batch.error is None or squared is None or self._running is None:
             return
-        self._sums["mse"][row] = batch.pixel_energy.sum()
+        self._sums["mse"][row] = squared.sum()
         self._running.add(batch, batch.error)
-        self._squared[batch.level][batch.tiles] += batch.pixel_energy
+        self._squared[batch.level][batch.tiles] += squared
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
-        if batch.floor_energy is not None:
-            self._noise[batch.level][batch.tiles] += batch.floor_energy
+        if noise is not None:
+            self._noise[batch.level][batch.tiles] += noise
 
     def end(self) -> None:
         for index in range(self._span.count):
@@ -88,8 +92,7 @@ class Budget:
         if self._running is None:
             return
         for index, level in enumerate(self._span.levels):
-            static = self._span.count * octave_energy(self._running.mean[index])
-            varied = self._running.varied[index]
+            static, varied = self._running.split(index, self._span.count)
             squared = self._squared[index]
             # By Parseval they add up already, but for the rounding of single precision.
             spectral = (static + varied).sum(axis=1)
@@ -112,25 +115,24 @@ class Budget:
         if self._span.bands is not None:
             for number, band in enumerate(BANDS):
                 members = self._span.bands[index] == number
-                inside = {name: values[members] for name, values in parts.items()}
+                inside = {name: values[members] for name, values in (parts | octaves).items()}
                 self._ratios[band].add(level.size, self._weight[index][members], inside)
 
     def finish(self) -> Measurement:
         found = Measurement(frames=[self._entry(frame) for frame in sorted(self._frames)])
         for group in ("all", *BANDS):
             ratios = self._ratios[group]
+            values = _values(ratios) if ratios.weight else {}
             for part in PARTS:
                 name = f"budget.{part}" if group == "all" else f"budget.{part}.{group}"
                 reason = self._reason(part, group)
                 if reason:
                     found.absent[name] = reason
                 else:
-                    found.put(name, ratios.value(part), "", error=ratios.error(part))
+                    found.put(name, values[part], "", error=ratios.error(part))
         if not self._reason("flicker", "all"):
-            total = self._ratios["all"]
-            found.curves["budget.bands"] = {"frequency": list(OCTAVES)} | {
-                part: [total.value(f"{part} {i}") for i in range(len(OCTAVES))] for part in ("static", "flicker")
-            }
+            static, flicker = _octaves(self._ratios["all"])
+            found.curves["budget.bands"] = {"frequency": list(OCTAVES), "static": static, "flicker": flicker}
         return found
 
     def _reason(self, part: str, group: str) -> str:
@@ -153,6 +155,20 @@ class Budget:
         if not np.isnan(sums["change"]) and sums["weight"] > 0:
             entry["change"] = sums["change"] / sums["weight"]
         return entry
+
+
+def _octaves(ratios: Ratios) -> tuple[list[float], list[float]]:
+    """Static part and flicker by octave, both at or above 0, with the sum that they have."""
+    pairs = [(ratios.value(f"static {i}"), ratios.value(f"flicker {i}")) for i in range(len(OCTAVES))]
+    return [max(0.0, static) for static, _ in pairs], [varied + min(0.0, static) for static, varied in pairs]
+
+
+def _values(ratios: Ratios) -> dict[str, float]:
+    """The parts of the budget."""
+    static, flicker = _octaves(ratios)
+    low = sum(octave < CUT for octave in OCTAVES)
+    parts = {"bias": sum(static[:low]), "detail": sum(static[low:]), "flicker": sum(flicker)}
+    return parts | {"mse": sum(parts.values()), "floor": ratios.value("floor")}
 
 
 MEASURE = Budget

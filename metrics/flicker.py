@@ -8,7 +8,7 @@ from metrics.spans import Span
 from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
 
-_SOURCE = "variance over time of surface-locked tile spectra: residual under true motion"
+_SOURCE = "sample variance over time of surface-locked tile spectra: residual under true motion"
 
 SCORES = {
     "residual.flicker": Metric(
@@ -45,7 +45,7 @@ class ResidualFlicker:
 
     def end(self) -> None:
         for index, level in enumerate(self._span.levels):
-            parts = {name: running.varied[index] for name, running in self._running.items()}
+            parts = {name: running.split(index, self._span.count)[1] for name, running in self._running.items()}
             self._ratios.add(level.size, self._weight[index], parts)
 
     def finish(self) -> Measurement:

@@ -73,7 +73,7 @@ class Glued:
                 level.size,
                 None if self.bands is None else self.bands[index],
                 total[index],
-                np.maximum(0.0, squared[index] - energy(summed[index]) / count),
+                np.maximum(0.0, squared[index] - energy(summed[index]) / count) * count / max(1, count - 1),
             )
             for index, level in enumerate(self.levels)
         ]

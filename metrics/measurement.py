@@ -9,6 +9,9 @@ from metrics.tiles import Level
 
 Better = Literal["lower", "higher", "information"]
 
+# Scores named in a note.
+_LISTED = 4
+
 
 @dataclass(frozen=True)
 class Metric:
@@ -24,7 +27,7 @@ class Metric:
 class Measurement:
     """Scores, and for each that cannot be had the reason why; ready for JSON, without NaN.
 
-    errors: standard errors of scores, in their units; one that is not known is left out.
+    errors: standard errors of scores, in their units; one that is not known is left out, and there is a note.
     frames: one entry a frame. curves: name -> axis -> values. notes: what a reader should beware of.
     """
 
@@ -43,6 +46,13 @@ class Measurement:
         self.scores[name] = float(value)
         if error is not None:
             self.errors[name] = float(error)
+
+    def note_unknown_errors(self) -> None:
+        """Say which scores have no standard error."""
+        unknown = [name for name in self.scores if name not in self.errors]
+        if unknown:
+            listed = ", ".join(unknown[:_LISTED]) + (f" and {len(unknown) - _LISTED} more" if unknown[_LISTED:] else "")
+            self.notes.append(f"no standard error of {listed}: too little is measured to be split in parts that differ")
 
     def merge(self, other: "Measurement") -> None:
         """Take over what another measure found."""

@@ -5,6 +5,8 @@ rule), under the tiles' own window. Bins nearer to 0 than DC_LOBE / L belong to 
 A peak must be a local maximum that stands over the local floor, the median around it, by more than MIN_RATIO and
 by more than chance allows: a mean of M independent periodograms of noise follows chi^2 with 2 M degrees of freedom
 (Welch 1967); only tiles that do not overlap count as independent, for frames and channels may repeat each other.
+Standard errors are a jackknife over upright strips of the picture (Efron & Stein 1981), the leading peak followed at
+its bin and those around it.
 """
 
 from collections.abc import Iterable
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
-from metrics.spectra import Batch, Spectrum
+from metrics.spectra import Batch, Spectrum, squares
 from metrics.tiles import Level
 
 DC_LOBE = 2.5
@@ -80,11 +82,11 @@ class Moire:
         if batch.level != 0 or batch.error is None or batch.reference is None:
             return
         powers = self._pieces.setdefault(batch.piece, {})
-        pictures = [batch.test, batch.reference, batch.error]
-        for strip in np.unique(self._strip[batch.tiles]).tolist():
-            chosen = self._strip[batch.tiles] == strip
-            power = np.stack([_power(spectra[chosen]) for spectra in pictures])
-            powers[strip] = powers[strip] + power if strip in powers else power
+        power = np.stack([_power(spectra) for spectra in (batch.test, batch.reference, batch.error)])
+        strips = self._strip[batch.tiles]
+        for strip in np.unique(strips).tolist():
+            summed = power[:, strips == strip].sum(axis=1, dtype=np.float64)
+            powers[strip] = powers[strip] + summed if strip in powers else summed
 
     def end(self) -> None:
         strips, seen = self._strips.setdefault(self._size, {}), self._seen.setdefault(self._size, {})
@@ -112,8 +114,9 @@ class Moire:
         found.curves["moire.peaks"] = {
             axis: [peak[i] for peak in peaks] for i, axis in enumerate(("x", "y", "strength"))
         }
-        values = _values(power, peaks)
-        errors = self._errors(size, independent)
+        leading = peaks[0] if peaks else None
+        values = _values(power, leading)
+        errors = self._errors(size, independent, leading)
         reasons = {"moire.excess": "the reference has no detail"}
         for name in SCORES:
             why = reasons.get(name, "no peak stands over the local floor")
@@ -125,25 +128,26 @@ class Moire:
         total = np.sum([self._strips[size][strip] for strip in chosen], axis=0)
         return dict(zip(KINDS, total / sum(self._seen[size][strip] for strip in chosen), strict=True))
 
-    def _errors(self, size: int, independent: float) -> dict[str, float]:
-        """Standard errors by a jackknife that leaves out one strip at a time (Efron & Stein 1981)."""
+    def _errors(self, size: int, independent: float, leading: Peak | None) -> dict[str, float]:
+        """Standard errors; none of a single strip."""
         strips = sorted(self._strips[size])
         if len(strips) < 2:
             return {}
-        kept = independent * (1 - 1 / len(strips))
-        means = (self._mean(size, [other for other in strips if other != strip]) for strip in strips)
-        left = [_values(mean, find_peaks(mean["error"], independent=max(1, kept))) for mean in means]
-        common = set.intersection(*(set(values) for values in left))
-        return {name: float(np.sqrt((len(left) - 1) * np.var([values[name] for values in left]))) for name in common}
+        left = []
+        for strip in strips:
+            power = self._mean(size, [other for other in strips if other != strip])
+            followed = leading and follow_peak(power["error"], leading, independent=independent)
+            left.append(_values(power, followed))
+        return {name: float(np.sqrt((len(left) - 1) * np.var([values[name] for values in left]))) for name in left[0]}
 
 
-def _power(spectra: Spectrum) -> Power:
-    """[L, L/2 + 1], summed over tiles and channels."""
-    real = spectra.view(np.float32).reshape(-1, *spectra.shape[-2:], 2)
-    return np.asarray(np.square(real).sum(axis=(0, 3), dtype=np.float64))
+def _power(spectra: Spectrum) -> NDArray[np.float32]:
+    """[n, L, L/2 + 1], summed over channels."""
+    parts = squares(spectra)
+    return (parts[:, ::2] + parts[:, 1::2]).reshape(len(spectra), *spectra.shape[2:])
 
 
-def _values(power: dict[str, Power], peaks: list[Peak]) -> dict[str, float]:
+def _values(power: dict[str, Power], leading: Peak | None) -> dict[str, float]:
     """The scores that there are."""
     rings = radial(power, len(power["error"]))
     beyond = np.array(rings["frequency"]) * len(power["error"]) >= DC_LOBE
@@ -151,8 +155,8 @@ def _values(power: dict[str, Power], peaks: list[Peak]) -> dict[str, float]:
     found = {}
     if reference.sum() > 0:
         found["moire.excess"] = float(np.maximum(test - reference, 0).sum() / reference.sum())
-    if peaks:
-        x, y, strength = peaks[0]
+    if leading is not None:
+        x, y, strength = leading
         found |= {"moire.peak_frequency": float(np.hypot(x, y)), "moire.peak_strength": strength}
     return found
 
@@ -178,27 +182,48 @@ def find_peaks(power: Power, *, independent: float) -> list[Peak]:
 
     size = len(power)
     plane = _whole_plane(power)
-    reach = np.arange(-_HALO, _HALO + 1)
-    ring = np.hypot(reach[:, None], reach[None, :])
-    floor = ndimage.median_filter(plane, footprint=(ring <= _HALO) & (ring > _CORE), mode="wrap")
+    floor = _floor(plane, independent)
     freedom = 2 * independent
-    floor /= stats.chi2.median(freedom) / freedom
     by_chance = stats.chi2.isf(CHANCE / (size * size / 2), freedom) / freedom
     highest = ndimage.maximum_filter(plane, size=2 * _CORE + 1, mode="wrap") == plane
     radius = np.hypot(*np.meshgrid(np.arange(size) - size // 2, np.arange(size) - size // 2, indexing="ij"))
     high = plane > floor * max(MIN_RATIO, by_chance)
-    kept = highest & high & (radius >= DC_LOBE) & (radius < size / 2)
-    rows, columns = np.nonzero(kept)
-    found = []
-    for row, column in zip(rows, columns, strict=True):
-        y, x = row - size // 2, column - size // 2
-        if x < 0 or (x == 0 and y < 0):
-            continue
-        strength = 10 * np.log10(plane[row, column] / max(floor[row, column], np.finfo(float).tiny))
-        down = _vertex(plane[np.arange(row - 1, row + 2) % size, column])
-        right = _vertex(plane[row, np.arange(column - 1, column + 2) % size])
-        found.append((float((x + right) / size), float((y + down) / size), float(min(strength, 300.0))))
+    rows, columns = np.nonzero(highest & high & (radius >= DC_LOBE) & (radius < size / 2))
+    half = (columns > size // 2) | ((columns == size // 2) & (rows >= size // 2))
+    found = [_peak(plane, floor, row, column) for row, column in zip(rows[half], columns[half], strict=True)]
     return sorted(found, key=lambda peak: -peak[2])[:PEAKS]
+
+
+def follow_peak(power: Power, near: Peak, *, independent: float) -> Peak:
+    """The peak of another spectrum of the same size in the bin of a known one or next to it, however low it is."""
+    size = len(power)
+    plane = _whole_plane(power)
+    column, row = (round(place * size) + size // 2 for place in near[:2])
+    reach = np.arange(-1, 2)
+    rows, columns = (row + reach) % size, (column + reach) % size
+    down, right = np.unravel_index(np.argmax(plane[np.ix_(rows, columns)]), (3, 3))
+    return _peak(plane, _floor(plane, independent), int(rows[down]), int(columns[right]))
+
+
+def _floor(plane: Power, independent: float) -> Power:
+    """Mean power around each bin, from the median of what `independent` periodograms of noise have."""
+    from scipy import ndimage, stats
+
+    reach = np.arange(-_HALO, _HALO + 1)
+    ring = np.hypot(reach[:, None], reach[None, :])
+    freedom = 2 * independent
+    median = ndimage.median_filter(plane, footprint=(ring <= _HALO) & (ring > _CORE), mode="wrap")
+    return np.asarray(median / (stats.chi2.median(freedom) / freedom))
+
+
+def _peak(plane: Power, floor: Power, row: int, column: int) -> Peak:
+    """The peak at a bin, its place refined."""
+    size = len(plane)
+    strength = 10 * np.log10(plane[row, column] / max(floor[row, column], np.finfo(float).tiny))
+    down = _vertex(plane[np.arange(row - 1, row + 2) % size, column])
+    right = _vertex(plane[row, np.arange(column - 1, column + 2) % size])
+    y, x = row - size // 2, column - size // 2
+    return float((x + right) / size), float((y + down) / size), float(min(strength, 300.0))
 
 
 def _whole_plane(power: Power) -> Power:

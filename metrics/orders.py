@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 HIGHEST = 2
 """Orders up to this far apart are told."""
 
+RAISED = 20.0
+"""Noise of one order may be raised this much by its neighbours (diagonal of the inverse Gram matrix)."""
+
 # Temporal frequencies nearer than this are the same, cycles a frame.
 _SAME = 1e-6
 
-# Noise of one order may be raised this much by its neighbours (diagonal of the inverse Gram matrix).
-_RAISED = 20.0
 _RIDGE = 1e-10
 
 # Groups named in a message.
@@ -56,10 +57,14 @@ class Orders:
         basis = self.basis(count)
         return np.asarray(np.conj(basis).T @ basis + count * _RIDGE * np.eye(basis.shape[1]))
 
+    def raised(self, count: int) -> NDArray[np.float64]:
+        """[groups], by how much a fit to so many frames raises the energy of noise in each order, 1 and more."""
+        return np.asarray(count * np.real(np.diag(np.linalg.inv(self.gram(count)))))
+
     def blurred(self, count: int) -> set[Order]:
         """Orders whose fit to so many frames would raise noise too much."""
-        raised = count * np.real(np.diag(np.linalg.inv(self.gram(count))))
-        return {order for order, much in zip(self.single, raised, strict=True) if much > _RAISED}
+        raised = self.raised(count)
+        return {order for order, much in zip(self.single, raised, strict=True) if much > RAISED}
 
     def why_not(self, level: int) -> str:
         """Why the share of a rank cannot be had, naming the orders; empty if it can."""

@@ -4,7 +4,9 @@ The spectrum of a picture moving rigidly by v px a frame lies on w + k.v = 0 (Wa
 1985). Point sampling folds a frequency K to k = K - n; aliases of order n lie on w + (k + n).v = 0 (mod 1). In a
 surface-locked spectrum order n therefore stands at the temporal frequency -n.v for *every* k. The 25 orders up to 2
 apart are fitted there by least squares; what is left is off every plane. The mean level of each tile is removed
-first. Fractions are of the spectral energy, over all spatial frequencies, and add up to 1.
+first. An order's energy is its squared amplitude, for which the clip's length does not matter; that orders beat
+against each other in a short clip belongs to none of them. Fractions are of the sum of all these energies, over all
+spatial frequencies, and add up to 1.
 
 T frames tell at most T temporal frequencies apart: a pure noise puts 1 / T of its energy on each order, listed as
 `chance` beside the energies of single orders.
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
-from metrics.orders import Order, Orders, rank, separate
+from metrics.orders import RAISED, Order, Orders, rank, separate
 from metrics.ratios import Ratios
 from metrics.spans import Span
 from metrics.spectra import Batch, energy
@@ -105,20 +107,27 @@ class Plane:
         opposite = self._orders.opposite()
         self._blurred |= self._orders.blurred(self._count)
         self._chance = max(self._chance, 1 / self._count)
+        raised = self._orders.raised(self._count)
         found = np.zeros((len(self._total), len(opposite)))
-        totals = np.zeros(len(self._total))
+        off = np.zeros(len(self._total))
         for tile in range(len(self._total)):
-            projections, totals[tile] = self._without_mean(tile, self._orders)
+            projections, total = self._without_mean(tile, self._orders)
             flat = projections.reshape(len(projections), -1)
-            # Re(a* P) of the least-squares amplitudes a: exact for orders apart, unbiased for noise, sums to the fit.
-            explained = np.real(np.einsum("ni,ni->n", np.conj(inverse @ flat), flat))
+            amplitudes = inverse @ flat
+            joint = np.real(np.einsum("ni,ni->n", np.conj(amplitudes), flat))
+            off[tile] = max(0.0, total - joint.sum())
+            # The fit raises noise where a clip is too short to keep orders well apart: leave each the noise it has.
+            noise = off[tile] / (self._count - len(flat))
+            alone = self._count * np.square(np.abs(amplitudes)).sum(axis=1) + noise * (1 - raised)
+            # Orders that are not told apart have a sum only.
+            each = np.where(raised > RAISED, joint, alone)
             # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
-            found[tile] = (explained + explained[opposite]) / 2
+            found[tile] = (each + each[opposite]) / 2
         groups = np.array([rank(order) for order in self._orders.single])
         parts = {name: found[:, groups == level].sum(axis=1) for name, level in RANKS.items()}
         parts |= {f"{x},{y}": found[:, index] for index, (x, y) in enumerate(self._orders.single)}
-        parts["plane.off"] = totals - found.sum(axis=1)
-        self._ratios.add(self._level.size, totals, parts)
+        parts["plane.off"] = off
+        self._ratios.add(self._level.size, found.sum(axis=1) + off, parts)
         self._level_energy += self._count * float(np.sum(self._first**2)) * energy(self._level_spectrum[None, None])[0]
 
     def _without_mean(self, tile: int, orders: Orders) -> tuple[NDArray[np.complex128], float]:
@@ -145,15 +154,17 @@ class Plane:
         single = self._orders.single
         found.curves["plane.orders"] = {
             "order": [f"{x},{y}" for x, y in single],
-            "energy": [self._ratios.value(f"{x},{y}") for x, y in single],
+            "energy": [max(0.0, self._ratios.value(f"{x},{y}")) for x, y in single],
             "chance": [self._chance] * len(single),
         }
+        # Chance may leave an order that is not there just below 0.
+        shares = {name: max(0.0, self._ratios.value(name)) for name in SCORES}
         for name in SCORES:
             members = [order for order in single if name == "plane.off" or rank(order) == RANKS[name]]
             why = "" if name == "plane.off" else self._orders.why_not(RANKS[name])
             why = why or _too_short(self._blurred.intersection(members))
-            share = max(0.0, self._ratios.value(name))
-            found.put(name, None if why else share, why, error=self._ratios.error(name))
+            share = None if why else shares[name] / sum(shares.values())
+            found.put(name, share, why, error=self._ratios.error(name))
         return found
 
     def _reason(self) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.clip import Clip, ClipError
-from metrics.display import Domain, to_domain
+from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.measurement import Measurement, Metric
 
 HIGHLIGHT = 95.0
@@ -62,28 +62,31 @@ def measure_scales(
     scales: Sequence[float],
     *,
     domain: Domain = "linear",
+    display: Display = STANDARD,
 ) -> Measurement:
     """Compare pictures of one view at several scales.
 
     test, reference: one-frame clips, one a scale, each with its own size and coverage; reference may be None.
     scales: size factors, the first 1, all above 0.
+    domain: "linear" radiance, or "display": codes in 0..1 as `display` makes them, of all pictures.
     Raises ClipError if lists differ in length, the first scale is not 1, or a picture is not as large as its
     reference.
     """
     _check(test, reference, scales)
-    own = to_domain(test[0].image(0), domain)
+    own = to_domain(test[0].image(0), domain, display)
     seen = _whole(test[0])
-    truth = own if reference is None else to_domain(reference[0].image(0), domain)
+    truth = own if reference is None else to_domain(reference[0].image(0), domain, display)
     bright = float(np.percentile(truth[:, seen], HIGHLIGHT)) if seen.any() else 0.0
     views = []
     for index, scale in enumerate(scales):
-        picture = to_domain(test[index].image(0), domain)
+        picture = to_domain(test[index].image(0), domain, display, index)
         filtered = area_filter(own, *picture.shape[1:])
         whole = _whole(test[index]) & (area_filter(seen.astype(float), *picture.shape[1:]) > 1 - 1e-9)
-        exact = None if reference is None else to_domain(reference[index].image(0), domain)
+        exact = None if reference is None else to_domain(reference[index].image(0), domain, display, index)
         views.append(View(float(scale), picture, filtered, exact, whole))
     found = _report(_rows(views, bright), has_reference=reference is not None)
     found.errors = _errors(views, bright, found)
+    found.note_unknown_errors()
     return found
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from metrics import registry
 from metrics.clip import Clip, ClipError, FrameSource, Image
-from metrics.display import Domain, encode, to_domain
+from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.measurement import Context, Measurement
 from metrics.spans import Alignment, align
 from metrics.sweep import Sweep
@@ -27,6 +27,7 @@ def measure(
     reference: Clip | None = None,
     *,
     domain: Domain = "linear",
+    display: Display = STANDARD,
     reference_error: FrameSource | None = None,
     names: Sequence[str] | None = None,
     alignment: Alignment | None = None,
@@ -37,7 +38,7 @@ def measure(
     """Measure a test clip, against a reference if there is one.
 
     Motion, coverage and depth are the test's; where it has no coverage or depth, the reference's.
-    domain: "linear" radiance, or "display": exposure 1, clamped to 0..1, sRGB codes.
+    domain: "linear" radiance, or "display": codes in 0..1 as `display` makes them, of both clips.
     reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
         (A + B)/2 is the reference.
     names: scores wanted, by name or beginning ("budget"); None: all.
@@ -66,7 +67,7 @@ def measure(
     measures = [measure_type(context) for measure_type in registry.measures(names)]
 
     def read(t: int) -> list[Image]:
-        return _sources(t, test, reference, reference_error, domain)
+        return _sources(t, test, reference, reference_error, domain, display)
 
     notes = []
     longest = 0
@@ -84,6 +85,7 @@ def measure(
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.wanted(name, names)}
+    found.note_unknown_errors()
     return found
 
 
@@ -122,20 +124,25 @@ def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, flo
 
 
 def _sources(
-    t: int, test: Clip, reference: Clip | None, reference_error: FrameSource | None, domain: Domain
+    t: int,
+    test: Clip,
+    reference: Clip | None,
+    reference_error: FrameSource | None,
+    domain: Domain,
+    display: Display,
 ) -> list[Image]:
     """Test, error and half-difference of frame t, those that there are, each [3, H, W] in the domain."""
-    picture = to_domain(test.planes(t), domain)
+    picture = to_domain(test.planes(t), domain, display, t)
     if reference is None:
         return [picture]
     exact = reference.planes(t)
-    found = [picture, picture - to_domain(exact, domain)]
+    found = [picture, picture - to_domain(exact, domain, display, t)]
     if reference_error is not None:
         half = Clip(reference_error, reference.count).planes(t)
         if half.shape != exact.shape:
             raise ClipError(f"the reference's error of frame {t} has another size than the reference")
         if domain == "display":
-            half = (encode(exact + half) - encode(exact - half)) / 2
+            half = (display.show(exact + half, t) - display.show(exact - half, t)) / 2
         found.append(half)
     return found
 

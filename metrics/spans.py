@@ -28,8 +28,9 @@ LONGEST_UNWARPED = 32
 KEPT = 0.2
 KEPT_UNWARPED = 0.45
 
-# Of a pure noise 1/T reads as static, and of an error fixed to the screen what it does not travel: spans shorter than
-# this, frames and px, are made only where the longer ones leave next to nothing, this share of enough.
+# What changes more slowly than a span is long reads as static, and of an error fixed to the screen what it does not
+# travel: spans shorter than this, frames and px, are made only where the longer ones leave next to nothing, this share
+# of enough.
 SHORTEST = 16
 SHORTEST_TRAVEL = 50.0
 LITTLE = 1 / 3

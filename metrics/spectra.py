@@ -15,12 +15,12 @@ Pictures and spectra are held in single precision, which costs 1e-7 of an amplit
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.parts import Piece, pieces
+from metrics.parts import pieces
 from metrics.spans import Span
 from metrics.tiles import Level, split, window
 
@@ -48,28 +48,64 @@ class Pictures:
 class Batch:
     """Some tiles of one level in one frame.
 
-    piece: which of the span's pieces. tiles: which of the level's tiles. weight: sum of w^2 of one tile.
-    level_spectrum: [L, L/2 + 1], the spectrum of a constant picture of value 1.
-    test, error: [n, 3, L, L/2 + 1]; error is None without a reference.
-    mean: [n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best.
-    pixel_energy: [n], sum of w^2 e^2 from pixels. floor_energy: the same of the reference's half-difference.
+    piece: which of the span's pieces. tiles: which of the level's tiles. What no measure asks for is not made.
     """
 
     frame: int
     level: int
     piece: int
     tiles: slice
-    weight: float
-    level_spectrum: Spectrum
-    test: Spectrum
-    mean: Energy
-    error: Spectrum | None
-    pixel_energy: Energy | None
-    floor_energy: Energy | None
+    pictures: Pictures
+    transform: "TileTransform"
 
     @property
+    def weight(self) -> float:
+        """Sum of w^2 of one tile."""
+        return self.transform.weight
+
+    @property
+    def level_spectrum(self) -> Spectrum:
+        """[L, L/2 + 1], the spectrum of a constant picture of value 1."""
+        return self.transform.constant
+
+    @cached_property
+    def test(self) -> Spectrum:
+        """[n, 3, L, L/2 + 1]."""
+        return self.transform.spectra(self._seen)
+
+    @cached_property
+    def error(self) -> Spectrum | None:
+        """The same of the test minus the reference, if there is one."""
+        return None if self._wrong is None else self.transform.spectra(self._wrong)
+
+    @cached_property
     def reference(self) -> Spectrum | None:
         return None if self.error is None else self.test - self.error
+
+    @cached_property
+    def mean(self) -> Energy:
+        """[n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best."""
+        return self.transform.mean(self._seen)
+
+    @property
+    def pixel_energy(self) -> Energy | None:
+        """[n], sum of w^2 e^2 from pixels, if there is a reference."""
+        return None if self._wrong is None else energy(self._wrong)
+
+    @property
+    def floor_energy(self) -> Energy | None:
+        """[n], the same of the reference's half-difference, if it is known."""
+        half = self.pictures.half_difference
+        return None if half is None else energy(self.transform.blocks(half, self.tiles))
+
+    @cached_property
+    def _seen(self) -> Picture:
+        return self.transform.blocks(self.pictures.test, self.tiles)
+
+    @cached_property
+    def _wrong(self) -> Picture | None:
+        error = self.pictures.error
+        return None if error is None else self.transform.blocks(error, self.tiles)
 
 
 class TileTransform:
@@ -140,9 +176,14 @@ def _flat(values: Picture | Spectrum) -> Picture:
 
 def octave_energy(spectra: Spectrum) -> Energy:
     """The same by octave of |k|, [n, octaves]."""
-    squares = np.square(_flat(spectra))
-    by_octave = [np.vecdot(squares, member).sum(axis=1, dtype=np.float64) for member in _members(spectra.shape[-2])]
-    return np.stack(by_octave, axis=1)
+    parts = squares(spectra)
+    return np.stack([np.vecdot(parts, member) for member in _members(spectra.shape[-2])], axis=1).astype(np.float64)
+
+
+def squares(spectra: Spectrum) -> Picture:
+    """Squared real and imaginary parts, in turns, summed over channels, [n, 2 bins]."""
+    real = _flat(spectra)
+    return np.asarray(np.einsum("ncp,ncp->np", real, real))
 
 
 @lru_cache(maxsize=8)
@@ -158,32 +199,11 @@ def transforms(span: Span, t: int) -> list[TileTransform]:
     return [TileTransform(level, span.offsets[t - span.start], span.rows.start) for level in span.levels]
 
 
-def transform_piece(t: int, number: int, piece: Piece, pictures: Pictures, transform: TileTransform) -> Batch:
-    """Frame t's tiles of the span's piece `number`."""
-    error, half = pictures.error, pictures.half_difference
-    wrong = None if error is None else transform.blocks(error, piece.tiles)
-    noise = None if half is None else transform.blocks(half, piece.tiles)
-    seen = transform.blocks(pictures.test, piece.tiles)
-    return Batch(
-        frame=t,
-        level=piece.level,
-        piece=number,
-        tiles=piece.tiles,
-        weight=transform.weight,
-        level_spectrum=transform.constant,
-        test=transform.spectra(seen),
-        mean=transform.mean(seen),
-        error=None if wrong is None else transform.spectra(wrong),
-        pixel_energy=None if wrong is None else energy(wrong),
-        floor_energy=None if noise is None else energy(noise),
-    )
-
-
 def batches(span: Span, t: int, pictures: Pictures) -> Iterator[Batch]:
     """All tiles of frame t, piece by piece."""
     transform = transforms(span, t)
     for number, piece in enumerate(pieces(span)):
-        yield transform_piece(t, number, piece, pictures, transform[piece.level])
+        yield Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level])
 
 
 class RunningMean:
@@ -208,3 +228,13 @@ class RunningMean:
             self.varied[batch.level][batch.tiles] += self._energy(away) * ((seen - 1) / seen)
         away *= np.float32(1 / seen)
         mean += away
+
+    def split(self, level: int, count: int) -> tuple[Energy, Energy]:
+        """Energies over `count` frames of what is static and of what varies, each [n], or [n, octaves].
+
+        They add up to the whole. By Bessel's correction what varies independently from frame to frame, such as noise,
+        has no static part on average (which may make a static energy negative by chance); without it 1 / count.
+        """
+        varied = self.varied[level]
+        excess = varied / max(1, count - 1)
+        return count * self._energy(self.mean[level]) - excess, varied + excess

@@ -9,7 +9,7 @@ from metrics.clip import Image
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
 from metrics.spans import Span
-from metrics.spectra import Pictures, TileTransform, transform_piece, transforms
+from metrics.spectra import Batch, Pictures, TileTransform, transforms
 from metrics.tiles import Level
 
 CHUNK = 4
@@ -81,6 +81,6 @@ class Sweep:
     def _follow(self, frames: Sequence[Ready], number: int, piece: Piece) -> None:
         """Feed a piece of tiles frame by frame."""
         for t, pictures, transform in frames:
-            batch = transform_piece(t, number, piece, pictures, transform[piece.level])
+            batch = Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level])
             for measure in self._measures:
                 measure.add(batch)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.clip import Clip
+from metrics.spectra import OCTAVES
 
 Array = NDArray[np.float64]
 Kind = Literal["glued", "screen-fixed", "swimming", "noise", "blinking"]
@@ -102,14 +103,18 @@ def flicker_share(kind: Kind, *, count: int, motion: Motion, seed: int = 1) -> f
     """The share of `error_clips`' error that is flicker, in closed form.
 
     A wave k that slides by u px a frame against the surface leaves |sin(pi T k.u) / (T sin(pi k.u))|^2 of its energy
-    static over T frames; noise leaves 1 / T.
+    static over T frames; by Bessel's correction the rest counts T / (T - 1) times, so that noise leaves nothing,
+    but no octave of |k| leaves less.
     """
     if kind in ("noise", "blinking"):
-        return 1 - 1 / count if kind == "noise" else 1.0
+        return 1.0
     against = {"glued": 0.0, "screen-fixed": 1.0, "swimming": 2.0}[kind]
-    slides = texture(seed + 1).frequency @ np.multiply(motion, against)
-    static = np.abs(np.exp(2j * np.pi * slides[:, None] * np.arange(count)).mean(axis=1)) ** 2
-    return float(1 - static.mean())
+    waves = texture(seed + 1).frequency
+    slides = waves @ np.multiply(motion, against)
+    mean = np.abs(np.exp(2j * np.pi * slides[:, None] * np.arange(count)).mean(axis=1)) ** 2
+    octave = np.digitize(np.hypot(*waves.T), OCTAVES)
+    static = np.bincount(octave, mean - (1 - mean) / (count - 1))
+    return float(1 - np.maximum(0.0, static).sum() / len(waves))
 
 
 CHIRP = 1 / 9000

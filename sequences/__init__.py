@@ -6,18 +6,21 @@ at once; `schema` describes the format to an editor. `Sequence.view` gives the g
 """
 
 from .camera import Camera
+from .display import Bloom, Display
 from .load import library, load, schema
 from .motion import Motion
 from .motions import MOTIONS
 from .problems import SequenceError
-from .scene import Material, Road, Scene, Sun
+from .scene import Material, Road, Scene, Sun, Wires
 from .sequence import Sequence
 from .view import View
 from .viewing import Viewing
 
 __all__ = [
     "MOTIONS",
+    "Bloom",
     "Camera",
+    "Display",
     "Material",
     "Motion",
     "Road",
@@ -27,6 +30,7 @@ __all__ = [
     "Sun",
     "View",
     "Viewing",
+    "Wires",
     "library",
     "load",
     "schema",

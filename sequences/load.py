@@ -1,7 +1,7 @@
 """Sequence files: from TOML, and as a JSON schema for editors."""
 
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.json_schema import models_json_schema
 
 from .problems import SequenceError, describe, hint
+from .scene import Material
 from .sequence import Sequence
 
 Settings = Mapping[str, type[BaseModel]]
@@ -25,13 +26,13 @@ def load(
     name_or_path: str | Path,
     *,
     technique_settings: Settings | None = None,
-    brdfs: Collection[str] | None = None,
+    brdfs: Settings | None = None,
 ) -> Sequence:
     """The sequence of a name in the library or of a `.toml` file. Map files are not read.
 
     `technique_settings` are the known techniques with the model of their settings, `brdfs` the known
-    reflectance models; what is not given is not checked. Raises SequenceError with every problem at once,
-    each as `file: key.path: what is wrong (hint)`.
+    reflectance models with that of their parameters; what is not given is not checked. Raises SequenceError
+    with every problem at once, each as `file: key.path: what is wrong (hint)`.
     """
     path = _find(name_or_path)
     data = _read(path)
@@ -96,19 +97,30 @@ def _technique_problems(given: Any, known: Settings) -> list[str]:
     for name, settings in given.items() if isinstance(given, dict) else ():
         if name not in known:
             problems.append(f"techniques.{name}: unknown technique {hint(name, known)}")
-        elif isinstance(settings, dict):
-            try:
-                known[name].model_validate(settings)
-            except ValidationError as error:
-                problems += describe(error, known[name], prefix=f"techniques.{name}.")
+        else:
+            problems += _settings_problems(settings, known[name], prefix=f"techniques.{name}.")
     return problems
 
 
-def _brdf_problems(data: dict[str, Any], known: Collection[str]) -> list[str]:
+def _brdf_problems(data: dict[str, Any], known: Settings) -> list[str]:
     table: Any = data
     for key in ("scene", "material"):
-        table = table.get(key) if isinstance(table, dict) else None
-    name = table.get("brdf") if isinstance(table, dict) else None
-    if not isinstance(name, str) or name in known:
+        table = table.get(key, {}) if isinstance(table, dict) else None
+    if not isinstance(table, dict):
         return []
-    return [f"scene.material.brdf: there is no {name!r} {hint(name, known)}"]
+    name = table.get("brdf", Material.model_fields["brdf"].default)
+    if not isinstance(name, str):
+        return []
+    if name not in known:
+        return [f"scene.material.brdf: there is no {name!r} {hint(name, known)}"]
+    return _settings_problems(table.get("parameters"), known[name], prefix="scene.material.parameters.")
+
+
+def _settings_problems(given: Any, settings: type[BaseModel], *, prefix: str) -> list[str]:
+    if not isinstance(given, dict):
+        return []
+    try:
+        settings.model_validate(given)
+    except ValidationError as error:
+        return describe(error, settings, prefix=prefix)
+    return []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
+from .scene import Sun
 from .table import Table
 from .view import View
 
@@ -21,6 +22,10 @@ class Motion(Table):
     @abstractmethod
     def view(self, sequence: Sequence, t: int) -> View:
         """View of frame `t`. Any whole number has one; -1 is where frame 0 is said to come from."""
+
+    def sun(self, sequence: Sequence, t: int) -> Sun:
+        """The sun of frame `t`: the scene's, unless the motion moves it."""
+        return sequence.scene.sun
 
     @property
     def uniform_velocity(self) -> tuple[float, float] | None:

@@ -72,6 +72,8 @@ def _locate(model: type[BaseModel], place: Iterable[int | str]) -> tuple[str, Fi
             fields = {each.alias or name: each for name, each in kind.model_fields.items()}
             keys, field = list(fields), fields.get(str(key))
             kind = field.annotation if field else None
+        elif isinstance(key, int):
+            kind = next(iter(get_args(kind)), None)
     return ".".join(path), field, keys
 
 

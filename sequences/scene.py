@@ -1,16 +1,18 @@
 """The scene: a road, what it is made of, and the sun."""
 
 import math
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from .table import Real, Table
+from .table import Real, Table, Whole
 
-MADE = ("made:asphalt",)
+MADE = {"albedo": "made:asphalt", "normal": "made:asphalt", "gloss": "made:asphalt", "twist": "made:brushed"}
 """Names of the maps that are made, not read."""
+
+Quads = Annotated[Whole, Field(ge=1, le=256)]
 
 
 class Road(Table):
@@ -27,6 +29,10 @@ class Road(Table):
     )
     wavelength: Real | None = Field(
         None, gt=0, le=1e6, validate_default=True, description="length of the hills, m; for hills only"
+    )
+
+    tessellation: tuple[Quads, Quads] | None = Field(
+        None, description="quads of a segment, across and along (1..256); default: 1, along hills 64 a wave"
     )
 
     @field_validator("amplitude", "wavelength")
@@ -58,11 +64,12 @@ class Road(Table):
 class Material(Table):
     """What the road is made of: a reflectance model and its maps.
 
-    A map is the name of a made one (`made:asphalt`) or a file, relative to the sequence file. Row 0 of a map
-    is v = 0.
+    A map is the name of a made one (`made:asphalt`, for the twist `made:brushed`) or a file, relative to the sequence
+    file. Row 0 of a map is v = 0. A model that is not anisotropic takes no twist, and the map is not read.
     """
 
     brdf: str = Field("blinn-phong", min_length=1, description="reflectance model, by name")
+    parameters: dict[str, Any] = Field({}, description="parameters of the reflectance model")
     albedo: str = Field(
         "made:asphalt",
         min_length=1,
@@ -78,12 +85,19 @@ class Material(Table):
         min_length=1,
         description="map of 2 channels: Ks and power; integer files hold power = 2^(1 + 12 c)",
     )
+    twist: str | None = Field(
+        None,
+        min_length=1,
+        description="map that turns the tangent, for anisotropic models: 2 channels, x right and y forward, integers "
+        "hold (c + 1) / 2; or 1 channel, the angle from x to y in radians, integers hold angle / (2 pi); default: none",
+    )
 
-    @field_validator("albedo", "normal", "gloss")
+    @field_validator(*MADE)
     @classmethod
-    def _known_maker(cls, value: str) -> str:
-        if value.startswith("made:") and value not in MADE:
-            raise ValueError(f"no such made map: {value!r} (there is {', '.join(MADE)}; anything else is a file)")
+    def _known_maker(cls, value: str | None, info: ValidationInfo) -> str | None:
+        made = MADE[str(info.field_name)]
+        if value is not None and value.startswith("made:") and value != made:
+            raise ValueError(f"no such made map: {value!r} (there is {made}; anything else is a file)")
         return value
 
 
@@ -102,9 +116,30 @@ class Sun(Table):
         return np.array((level * math.sin(azimuth), level * math.cos(azimuth), math.sin(elevation)))
 
 
+class Wires(Table):
+    """Flat ribbons along the road, of its material and evenly spaced across: slivers on the screen."""
+
+    count: Whole = Field(ge=1, le=64, description="number of wires (1..64)")
+    width: Real = Field(0.01, gt=0, le=10, description="width of a wire, m (0..10)")
+    height: Real = Field(0.1, gt=0, le=100, description="height of the wires above the road, m (0..100)")
+
+    def places(self, road: Road) -> NDArray[np.float64]:
+        """Where the middles of the wires lie, m right of the road's centre line, float64 [count]."""
+        return ((np.arange(self.count) + 0.5) / self.count - 0.5) * road.width
+
+
 class Scene(Table):
-    """What stands still: road, material, sun."""
+    """What stands still: road, wires over it, material, sun."""
 
     road: Road = Field(default=Road(), description="shape of the road")
+    wires: Wires | None = Field(None, description="thin ribbons over the road; none unless given")
     material: Material = Field(default=Material(), description="reflectance model and maps")
     sun: Sun = Field(default=Sun(), description="the light")
+
+    @field_validator("wires")
+    @classmethod
+    def _apart(cls, value: Wires | None, info: ValidationInfo) -> Wires | None:
+        road = info.data.get("road")
+        if value is not None and road is not None and value.count * value.width > road.width:
+            raise ValueError(f"{value.count} wires of {value.width} m overlap on a road of {road.width} m")
+        return value

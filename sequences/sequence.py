@@ -6,9 +6,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, ValidationError
 
 from .camera import Camera
+from .display import Display
 from .motions import MOTIONS, AnyMotion
 from .problems import SequenceError, describe
-from .scene import Scene
+from .scene import Scene, Sun
 from .table import Real, Table, Whole
 from .view import View
 from .viewing import Viewing
@@ -33,6 +34,7 @@ class Sequence(Table):
     camera: Camera = Field(default=Camera(), description="where from it is seen")
     motion: AnyMotion = Field(default=MOTIONS["shift"](kind="shift"), description="by what the frames differ")
     viewing: Viewing = Field(default=Viewing(), description="how the frames are looked at")
+    display: Display = Field(default=Display(), description="how radiance is shown, for the display domain")
     techniques: dict[str, dict[str, Any]] = Field({}, description="settings of techniques, by name")
 
     _folder: Path = PrivateAttr(default=Path())
@@ -49,6 +51,10 @@ class Sequence(Table):
     def view(self, t: int) -> View:
         """View of frame `t`; any whole number has one, -1 too."""
         return self.motion.view(self, t)
+
+    def sun(self, t: int) -> Sun:
+        """The sun of frame `t`."""
+        return self.motion.sun(self, t)
 
     def map_path(self, value: str) -> Path | None:
         """File that a map of the material names, relative to `folder`; None for a made map."""

@@ -4,22 +4,30 @@ import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from metrics import Clip, measure
+from metrics import Clip, Measurement, align, measure
+from metrics.spans import Span
+from metrics.spectra import Batch
+from metrics.sweep import Sweep
+from metrics.tiles import Level
+from swimlab.frames import Image
 
 VELOCITY = (23 / 32, 19 / 32)
-FAMILIES = (("budget",), ("residual",), ("plane",), ("budget", "residual", "plane"), ())
+TRANSFORMS = "transforms alone"
+MAIN = ("budget", "residual", "plane")
+FAMILIES = (("budget",), ("residual",), ("plane",), MAIN, ())
 """Scores that are timed together; the last is all of them."""
+NAMES = (TRANSFORMS, *(", ".join(names) or "all" for names in FAMILIES))
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Frames a second of measuring `names` (all scores if empty), and the process's peak memory by then, bytes."""
+    """Frames a second of what is named, and the process's peak memory by then, bytes."""
 
-    names: tuple[str, ...]
+    name: str
     frames_per_second: float
     peak_memory: int
 
@@ -36,27 +44,52 @@ def time_measures(
     """Time the measures on a wholly covered clip of noise under uniform motion, test against reference.
 
     The noise is cut from one larger picture, so that making a frame costs a copy. `memory` is what `measure` may take;
-    `advance` is called with the names timed.
+    `advance` is called with the names timed. The first timing is of the tiles' windows and Fourier transforms, without
+    which no measure is to be had.
     """
     rng = np.random.default_rng(0)
     pool = rng.random((height + frames, width + frames, 3), np.float32)
     still = rng.random((height, width, 3), np.float32)
+    test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
+    reference = Clip(lambda _: still, frames, motion=VELOCITY)
 
-    def test(t: int) -> NDArray[np.float32]:
-        return pool[t : t + height, t : t + width]
+    def read(t: int) -> list[Image]:
+        picture = test.planes(t)
+        return [picture, picture - reference.planes(t)]
 
+    def transform() -> None:
+        with Sweep([_Spectra()], read, memory=memory, threads=threads) as sweep:
+            for span in align(test, keep=False).spans:
+                sweep.run(span, lambda _: None)
+
+    scored = partial(measure, test, reference, threads=threads, memory=memory)
+    works: list[Callable[[], object]] = [transform, *(partial(scored, names=names or None) for names in FAMILIES)]
     timings = []
-    for names in FAMILIES:
+    for name, work in zip(NAMES, works, strict=True):
         started = time.perf_counter()
-        measure(
-            Clip(test, frames, motion=VELOCITY),
-            Clip(lambda _: still, frames, motion=VELOCITY),
-            names=names or None,
-            threads=threads,
-            memory=memory,
-        )
+        work()
         elapsed = time.perf_counter() - started
         peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        timings.append(Timing(names, frames / elapsed, peak))
-        advance(", ".join(names) or "all")
+        timings.append(Timing(name, frames / elapsed, peak))
+        advance(name)
     return timings
+
+
+class _Spectra:
+    """A measure that does nothing with the spectra of test and error but have them made."""
+
+    def held(self, level: Level) -> float:
+        del level
+        return 0.0
+
+    def begin(self, span: Span) -> None:
+        """Nothing to set up."""
+
+    def add(self, batch: Batch) -> None:
+        _ = batch.test, batch.error
+
+    def end(self) -> None:
+        """Nothing to close."""
+
+    def finish(self) -> Measurement:
+        return Measurement()

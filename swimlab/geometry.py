@@ -2,6 +2,7 @@
 
 import warp as wp
 
+from sequences import View
 from swimlab.frames import Geometry
 from swimlab.kernels.geometry import Previous, describe
 from swimlab.launch import Strip
@@ -19,7 +20,7 @@ def describe_geometry(shot: Shot) -> Geometry:
     coverage = launcher.empty(size, wp.float32)
     motion = launcher.empty(size, wp.vec2)
     depth = launcher.empty(size, wp.float32)
-    previous = previous_frame(shot)
+    previous = seen_from(shot, shot.sequence.view(shot.frame - 1))
 
     def fill(strip: Strip) -> None:
         centres = visibility(launcher, shot.triangles, grid, strip)
@@ -42,9 +43,8 @@ def describe_geometry(shot: Shot) -> Geometry:
     return Geometry(coverage=coverage.numpy(), motion=motion.numpy(), depth=depth.numpy())
 
 
-def previous_frame(shot: Shot) -> Previous:
-    """How the frame before saw what this frame sees."""
-    before = shot.sequence.view(shot.frame - 1)
+def seen_from(shot: Shot, before: View) -> Previous:
+    """How another view of the sequence, that of the frame before, saw what this frame sees."""
     road = shot.sequence.scene.road
     width, height = shot.sequence.size
     previous = Previous()

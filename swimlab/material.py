@@ -1,70 +1,103 @@
-"""The scene's maps: made or read from files, checked, and packed into one mip chain."""
+"""The scene's maps: made or read from files, checked, and packed into mip chains."""
 
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+import warp as wp
 
 from sequences import Sequence
-from swimlab.kernels.structs import Texel
+from swimlab.inputs import Inputs, Level, Map, Maps
+from swimlab.kernels.structs import TEXELS
 from swimlab.launch import Launcher
 from swimlab.texture import MipChain
 
 if TYPE_CHECKING:
-    from sequences.asphalt import Maps
-
-Map = NDArray[np.float32]
+    from sequences import asphalt
 
 LARGEST_GAUGED_POWER = 12.0
 """Integer gloss maps hold power = 2^(1 + 12 c)."""
+
+
+MOST_CHANNELS = {"twist": 2}
+"""Channels that are read of a map that may have more than it must: a twist is an angle or a vector."""
 
 
 class MapError(ValueError):
     """A map that cannot be used; the message names the key and the file and says how to mend it."""
 
 
-def load_material(sequence: Sequence, launcher: Launcher) -> MipChain:
-    """Albedo, normal and gloss of the sequence's material, interleaved, as a repeating mip chain.
+class Material:
+    """The maps of a scene, and the mip chains that techniques make of them, each made once when first asked for."""
+
+    def __init__(self, launcher: Launcher, maps: Maps) -> None:
+        self._launcher = launcher
+        self._maps = maps
+        self._chains: dict[Callable[[Maps], Level], MipChain] = {}
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the maps in texels."""
+        height, width = self._maps.albedo.shape[:2]
+        return width, height
+
+    @property
+    def twisted(self) -> bool:
+        """Whether the tangent is turned by a map."""
+        return self._maps.twist is not None
+
+    def chain(self, inputs: Inputs) -> MipChain:
+        """The repeating mip chain of some inputs."""
+        if inputs.pack not in self._chains:
+            self._chains[inputs.pack] = self._packed(inputs)
+        return self._chains[inputs.pack]
+
+    def _packed(self, inputs: Inputs) -> MipChain:
+        texels, centre = inputs.pack(self._maps)
+        if self._maps.twist is not None:
+            texels = np.concatenate([texels, self._maps.twist], axis=2, dtype=np.float32)
+        height, width, floats = texels.shape
+        chain = MipChain.allocate(self._launcher, width=width, height=height, dtype=TEXELS[floats], clamps=False)
+        chain.shape.centre = wp.vec2(*centre)
+        chain.texels[: width * height].assign(np.ascontiguousarray(texels).reshape(-1, floats))
+        chain.reduce(self._launcher)
+        return chain
+
+
+def load_material(sequence: Sequence, launcher: Launcher, *, twisted: bool = True) -> Material:
+    """The sequence's material; not `twisted`, for a model that has no use for tangents, without its map of twist.
 
     Raises MapError for every way in which a map can be unfit.
     """
-    return pack(launcher, *read_maps(sequence))
+    return Material(launcher, read_maps(sequence, twisted=twisted))
 
 
-def read_maps(sequence: Sequence) -> tuple[Map, Map, Map]:
-    """Albedo [h, w, 3] (linear), normal [h, w, 3] (tangent space) and gloss [h, w, 2] (Ks, power), all of one size."""
+def read_maps(sequence: Sequence, *, twisted: bool = True) -> Maps:
+    """The sequence's maps: linear albedo, signed normals, Ks and power, and tangents if `twisted`. Raises MapError."""
     material = sequence.scene.material
     albedo = _load(sequence, "albedo", material.albedo, 3)
     normal = _load(sequence, "normal", material.normal, 3)
     gloss = _load(sequence, "gloss", material.gloss, 2)
-    sizes = {"albedo": albedo.shape[:2], "normal": normal.shape[:2], "gloss": gloss.shape[:2]}
+    twist = _load(sequence, "twist", material.twist, 1) if material.twist is not None and twisted else None
+    maps = Maps(albedo, normal, gloss, twist)
+    sizes = {key: plane.shape[:2] for key, plane in maps._asdict().items() if plane is not None}
     if len(set(sizes.values())) > 1:
         listed = ", ".join(f"{key} {w}x{h}" for key, (h, w) in sizes.items())
         raise MapError(f"scene.material: the maps differ in size ({listed}); resize them to one")
-    return albedo, normal, gloss
-
-
-def pack(launcher: Launcher, albedo: Map, normal: Map, gloss: Map) -> MipChain:
-    """Interleave maps of one size and build their chain; normals are averaged unnormalised."""
-    texels = np.concatenate([albedo, normal, gloss], axis=2, dtype=np.float32)
-    height, width = texels.shape[:2]
-    chain = MipChain.allocate(launcher, width=width, height=height, dtype=Texel, clamps=False)
-    chain.texels[: width * height].assign(texels.reshape(-1, 8))
-    chain.reduce(launcher)
-    return chain
+    return maps
 
 
 def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
     path = sequence.map_path(value)
     if path is None:
-        return np.asarray(getattr(_made(sequence.seed), key), np.float32)
+        return _made_twist(sequence.seed) if key == "twist" else np.asarray(getattr(_made(sequence.seed), key))
     where = f"scene.material.{key}: {path}"
     pixels, integer, srgb = _read(path, where)
     if pixels.shape[2] < channels:
         raise MapError(f"{where}: has {pixels.shape[2]} channels; this map needs {channels}")
-    pixels = pixels[..., :channels]
+    pixels = pixels[..., : MOST_CHANNELS.get(key, channels)]
     height, width = pixels.shape[:2]
     if width & (width - 1) or height & (height - 1):
         raise MapError(f"{where}: is {width}x{height}; both sides must be powers of two")
@@ -75,14 +108,26 @@ def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
 
 
 @lru_cache(maxsize=1)
-def _made(seed: int) -> "Maps":
+def _made_twist(seed: int) -> Map:
+    from sequences.brushed import make
+
+    return tangents(make(seed))
+
+
+def tangents(angle: Map) -> Map:
+    """x and y [h, w, 2] of tangents that are turned by `angle` [h, w] radians from x to y."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1).astype(np.float32)
+
+
+@lru_cache(maxsize=1)
+def _made(seed: int) -> "asphalt.Maps":
     from sequences.asphalt import make
 
     return make(seed)
 
 
 def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> Map:
-    """From stored values to what the shading core reads: linear albedo, signed normals, Ks and power."""
+    """From stored values to what the shading core reads: linear albedo, signed normals and tangents, Ks and power."""
     if key == "albedo":
         linear = np.where(pixels <= 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4) if srgb else pixels
         _require(bool((linear >= 0).all()), f"{where}: has negative albedo")
@@ -95,6 +140,15 @@ def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> 
             f"{where}: has normals of zero length; flat is (0, 0, 1)",
         )
         return normal.astype(np.float32)
+    if key == "twist":
+        if pixels.shape[2] == 1:
+            return tangents(pixels[..., 0] * (2 * np.pi if integer else 1.0))
+        tangent = 2.0 * pixels - 1.0 if integer else pixels
+        _require(
+            bool((np.linalg.norm(tangent, axis=2) > 1e-3).all()),
+            f"{where}: has tangents of zero length; untwisted is (1, 0)",
+        )
+        return tangent.astype(np.float32)
     gloss = pixels.copy()
     if integer:
         gloss[..., 1] = 2.0 ** (1.0 + LARGEST_GAUGED_POWER * pixels[..., 1])

@@ -3,8 +3,9 @@
 import csv
 import io
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -12,8 +13,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from metrics import Clip, Measurement, align, measure, measure_scales
+from metrics import Bloom, Clip, Display, Measurement, align, measure, measure_scales, quantisation
 from swimlab.files import write_json, write_text
+from swimlab.footage.colour import quantisation_floor
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
 from swimlab.peer import all_peer_scores
 from swimlab.record import REFERENCE, VERSION, Record, RunError, provenance
@@ -36,13 +38,15 @@ def measure_run(
     *,
     domain: Domain = "linear",
     peers: Sequence[str] = (),
+    viewing: Mapping[str, float] | None = None,
     command: str = "",
     advance: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
     """Score every technique of a run, write scores.json and frames.csv into its folder, and return the former.
 
-    peers: metrics of other projects to add, by name (see `swimlab.peer`). `advance` is called with a technique's name
-    after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
+    peers: metrics of other projects to add, by name (see `swimlab.peer`). viewing: what replaces pixels_per_degree and
+    luminance of the sequence's [viewing]. `advance` is called with a technique's
+    name after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
     damaged, ClipError where one cannot be measured, and PeerError for a peer that cannot be had.
     """
     record = Record.read(run)
@@ -52,11 +56,17 @@ def measure_run(
     check_complete(run, [*record.techniques, GEOMETRY], record.frames)
     if record.resizes and peers:
         raise RunError(f"--peers {','.join(peers)}: frames of different sizes are not a clip; leave it out")
+    if record.resizes and viewing:
+        raise RunError(f"--{next(iter(viewing)).replace('_', '-')}: frames of different sizes have no visibility")
+    record.sequence["viewing"] = record.sequence.get("viewing", {}) | dict(viewing or {})
     score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain, peers)
+    shown: dict[str, Any] = {"display": asdict(display_of(record))} if domain == "display" else {}
+    if not record.resizes:
+        shown["viewing"] = record.sequence["viewing"]
     entries = []
     with ThreadPoolExecutor(_workers(record)) as pool:
         for name, found in zip(tests, pool.map(score, tests), strict=True):
-            entries.append(_entry(record, name, found))
+            entries.append(_entry(record, name, found) | shown)
             advance(name)
     scores = {
         "version": VERSION,
@@ -86,18 +96,24 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
     """What measures all frames of a technique as one clip; the techniques share their alignment."""
     frames = record.frames
     width, height = record.sequence["size"]
-    reference = _clip(run, record, REFERENCE, frames) if REFERENCE in record.techniques else None
-    geometry = _clip(run, record, record.techniques[0], frames)
+    reference = read_clip(run, record, REFERENCE, frames) if REFERENCE in record.techniques else None
+    error = reference_error(run, frames) if reference is not None else None
+    geometry = read_clip(run, record, record.techniques[0], frames)
     shared = align(geometry) if len(frames) * width * height * 8 < KEPT_BYTES else None
+    display = display_of(record)
+    sampled = sorted({0, len(frames) // 2, len(frames) - 1})
+    stored_as = "half" if record.settings["half"] else "float"
 
-    def half_difference(t: int) -> Image:
-        return read_frame(frame_path(run, ERROR, frames[t]))[..., :3]
+    def rounding(pixels: Image) -> float | None:
+        return quantisation_floor(pixels, stored_as=stored_as, space="linear", domain=domain, display=display)
 
     def score(name: str) -> Measurement:
-        test = _clip(run, record, name, frames)
-        error = half_difference if reference is not None else None
-        found = measure(test, reference, domain=domain, reference_error=error, alignment=shared, threads=1)
+        test = read_clip(run, record, name, frames)
+        found = measure(
+            test, reference, domain=domain, display=display, reference_error=error, alignment=shared, threads=1
+        )
         found.scores |= all_peer_scores(peers, test, reference)
+        found.merge(quantisation([rounding(test.frame(t)) for t in sampled], len(frames)))
         return found
 
     return score
@@ -108,14 +124,16 @@ def _scale_scorer(run: Path, record: Record, domain: Domain) -> Callable[[str], 
     has_reference = REFERENCE in record.techniques
 
     def clips(name: str) -> list[Clip]:
-        return [_clip(run, record, name, [frame]) for frame in record.frames]
+        return [read_clip(run, record, name, [frame]) for frame in record.frames]
 
     references = clips(REFERENCE) if has_reference else None
+    display = display_of(record)
 
     def score(name: str) -> Measurement:
         tests = clips(name)
         heights = [clip.shape[0] for clip in tests]
-        return measure_scales(tests, references, [height / heights[0] for height in heights], domain=domain)
+        scales = [height / heights[0] for height in heights]
+        return measure_scales(tests, references, scales, domain=domain, display=display)
 
     return score
 
@@ -127,7 +145,21 @@ def _workers(record: Record) -> int:
     return max(1, min(len(os.sched_getaffinity(0)), fit))
 
 
-def _clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
+def display_of(record: Record) -> Display:
+    """How the run's sequence says that radiance is shown."""
+    table = dict(record.sequence.get("display", {}))
+    bloom = Bloom(**table.pop("bloom", {}))
+    return Display(**table, bloom=bloom, seed=record.sequence["seed"])
+
+
+def reference_error(run: Path, frames: Sequence[int]) -> Callable[[int], Image]:
+    """Half the difference of the reference's two halves, [H, W, 3], by place in `frames`."""
+    return lambda t: read_frame(frame_path(run, ERROR, frames[t]))[..., :3]
+
+
+def read_clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
+    """Some frames of a technique of a run as a clip. Raises RunError where they do not follow each other."""
+
     def picture(t: int) -> Image:
         return read_frame(frame_path(run, name, frames[t]))[..., :3]
 

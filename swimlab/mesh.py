@@ -1,16 +1,21 @@
-"""The road as an indexed triangle mesh about the eye."""
+"""The scene as an indexed triangle mesh about the eye: the road, and the wires over it."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sequences import Camera, Road
+from sequences import Camera, Road, Scene
 
 Doubles = NDArray[np.float64]
 
 ROWS_PER_WAVE = 64
 """Quads along one wave of a hilly road: the chord then strays from the sine by at most amplitude / 830."""
+WIRE_U = (0.0545, 0.0588)
+"""The band of u that wires show: within the left edge line of made asphalt, and as wide as to hold the centre of a
+texel of every map and target of 64 texels and more."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,9 @@ class Mesh:
         its own, its unique atlas coordinate too.
     slope: [N], dz/dy of the road.
     triangles: [M, 3], indices of vertices, counter-clockwise seen from above.
-    segments: [M], the segment each triangle belongs to, counted along the road from y = 0.
+    segments: [M], the chart each triangle belongs to: the road's segments, counted along the road from y = 0, come
+        first and have the lowest numbers; each wire has charts of its own.
+    loose: [M], whether the triangle lies over others, so that leaving it out tears no hole.
     """
 
     positions: Doubles
@@ -30,45 +37,82 @@ class Mesh:
     slope: Doubles
     triangles: NDArray[np.int32]
     segments: NDArray[np.int64]
+    loose: NDArray[np.bool_]
+
+    @cached_property
+    def facing(self) -> NDArray[np.bool_]:
+        """[M], whether the triangle turns its upper side to the eye."""
+        a, b, c = self.positions[self.triangles].swapaxes(0, 1)
+        return np.asarray(np.sum(np.cross(b - a, c - a) * a, axis=1) < 0.0)
 
 
-def road_mesh(road: Road, camera: Camera) -> Mesh:
-    """The road from one segment behind the eye to exactly `road.length` ahead of it, cut at segments' ends.
+class Ribbon(NamedTuple):
+    """A band along the road: its middle (m right of the centre line), width (m), u from left to right, m above it."""
 
-    Each segment has its own vertices. A flat one is one quad; a hilly one has ROWS_PER_WAVE quads a wavelength.
+    middle: float
+    width: float
+    u: tuple[float, float]
+    lift: float
+    quads: int
+
+
+def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
+    """Road and wires from one segment behind the eye to exactly `road.length` ahead of it, cut at segments' ends.
+
+    Each segment has its own vertices, in `tessellation(road)` quads; a wire has one quad across.
     """
+    road = scene.road
+    across, along = tessellation(road)
+    ribbons = [Ribbon(0.0, road.width, (0.0, 1.0), 0.0, across)]
+    if scene.wires is not None:
+        width, lift = scene.wires.width, scene.wires.height
+        ribbons += [Ribbon(x, width, WIRE_U, lift, 1) for x in scene.wires.places(road).tolist()]
     start = camera.distance - road.segment
     end = camera.distance + road.length
-    eye_z = float(camera.eye(road)[2])
-    rows = 1
-    if road.profile == "hills" and road.wavelength is not None:
-        rows = int(np.ceil(road.segment / road.wavelength * ROWS_PER_WAVE))
-    positions, uv, slope, triangles, segments = [], [], [], [], []
+    segments = range(int(np.floor(start / road.segment)), int(np.ceil(end / road.segment)))
+    parts: list[Mesh] = []
     count = 0
-    for segment in range(int(np.floor(start / road.segment)), int(np.ceil(end / road.segment))):
-        origin = segment * road.segment
-        low, high = max(0.0, (start - origin) / road.segment), min(1.0, (end - origin) / road.segment)
-        inner = np.arange(rows + 1) / rows
-        v = np.concatenate([[low], inner[(inner > low) & (inner < high)], [high]])
-        y = origin + v * road.segment
-        left_right = np.array([0.0, 1.0])
-        grid_u, grid_v = np.meshgrid(left_right, v)
-        x = (grid_u - 0.5) * road.width - camera.lateral
-        ahead = (origin - camera.distance) + grid_v * road.segment
-        height = np.repeat(road.height_at(y) - eye_z, 2)
-        positions.append(np.stack([x.ravel(), ahead.ravel(), height], axis=1))
-        uv.append(np.stack([grid_u.ravel(), grid_v.ravel()], axis=1))
-        slope.append(np.repeat(road.slope_at(y), 2))
-        corner = count + 2 * np.arange(len(v) - 1)
-        near = np.stack([corner, corner + 1, corner + 3], axis=1)
-        far = np.stack([corner, corner + 3, corner + 2], axis=1)
-        triangles.append(np.stack([near, far], axis=1).reshape(-1, 3))
-        segments.append(np.full(2 * (len(v) - 1), segment))
-        count += 2 * len(v)
+    for index, ribbon in enumerate(ribbons):
+        for segment in segments:
+            origin = segment * road.segment
+            low, high = max(0.0, (start - origin) / road.segment), min(1.0, (end - origin) / road.segment)
+            rows = np.arange(along + 1) / along
+            v = np.concatenate([[low], rows[(rows > low) & (rows < high)], [high]])
+            part = _patch(road, camera, ribbon, origin, v, count, segment + index * len(segments))
+            count += len(part.positions)
+            parts.append(part)
+    return Mesh(*(np.concatenate(columns) for columns in zip(*(vars(part).values() for part in parts), strict=True)))
+
+
+def tessellation(road: Road) -> tuple[int, int]:
+    """Quads of a segment across and along the road: as its table says, else one, and ROWS_PER_WAVE a wave of hills."""
+    if road.tessellation is not None:
+        return road.tessellation
+    if road.wavelength is None:
+        return 1, 1
+    return 1, int(np.ceil(road.segment / road.wavelength * ROWS_PER_WAVE))
+
+
+def _patch(road: Road, camera: Camera, ribbon: Ribbon, origin: float, v: Doubles, count: int, chart: int) -> Mesh:
+    """One segment of a ribbon at rows `v`; its vertices are numbered from `count` on."""
+    grid_s, grid_v = np.meshgrid(np.arange(ribbon.quads + 1) / ribbon.quads, v)
+    x = ribbon.middle + (grid_s - 0.5) * ribbon.width - camera.lateral
+    ahead = (origin - camera.distance) + grid_v * road.segment
+    y = origin + v * road.segment
+    eye_z = float(camera.eye(road)[2])
+    columns = ribbon.quads + 1
+    height = np.repeat(road.height_at(y) - eye_z + ribbon.lift, columns)
+    left, right = ribbon.u
+    row, column = np.meshgrid(np.arange(len(v) - 1), np.arange(ribbon.quads), indexing="ij")
+    corner = (count + row * columns + column).ravel()
+    near = np.stack([corner, corner + 1, corner + 1 + columns], axis=1)
+    far = np.stack([corner, corner + 1 + columns, corner + columns], axis=1)
+    triangles = np.stack([near, far], axis=1).reshape(-1, 3).astype(np.int32)
     return Mesh(
-        positions=np.concatenate(positions),
-        uv=np.concatenate(uv),
-        slope=np.concatenate(slope),
-        triangles=np.concatenate(triangles).astype(np.int32),
-        segments=np.concatenate(segments),
+        positions=np.stack([x.ravel(), ahead.ravel(), height], axis=1),
+        uv=np.stack([(left + grid_s * (right - left)).ravel(), grid_v.ravel()], axis=1),
+        slope=np.repeat(road.slope_at(y), columns),
+        triangles=triangles,
+        segments=np.full(len(triangles), chart),
+        loose=np.full(len(triangles), ribbon.lift > 0.0),
     )

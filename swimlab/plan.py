@@ -10,7 +10,7 @@ from sequences import Sequence
 from swimlab import __version__
 from swimlab.catalogue import technique_settings
 from swimlab.record import RunError
-from swimlab.technique import Settings
+from swimlab.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -34,20 +34,22 @@ class Plan:
     def digest(self) -> str:
         """The settings hash: 16 hexadecimal digits over all that decides the pixels, the map files' bytes included.
 
-        Of the techniques' settings only those that are not the default count, so that one more technique, or one more
-        setting, does not make earlier runs and baselines strangers.
+        Only what is not the default counts, so that one more technique, setting or key of the sequence file does not
+        make earlier runs and baselines strangers.
         """
         content = {
             "swimlab": __version__,
-            "sequence": self.sequence.model_dump(mode="json", exclude={"techniques", "viewing"}),
+            "sequence": self.sequence.model_dump(
+                mode="json", exclude_defaults=True, exclude={"techniques", "viewing", "display"}
+            ),
             "techniques": {n: s for n, chosen in self._settings().items() if (s := _changed(chosen))},
             "samples": self.samples,
             "half": self.half,
         }
         digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode())
         material = self.sequence.scene.material
-        for key in ("albedo", "normal", "gloss"):
-            path = self.sequence.map_path(getattr(material, key))
+        for value in (material.albedo, material.normal, material.gloss, material.twist):
+            path = self.sequence.map_path(value) if value is not None else None
             if path is not None and path.is_file():
                 digest.update(path.read_bytes())
         return digest.hexdigest()[:16]

@@ -27,7 +27,8 @@ class Record:
     """What run.json holds.
 
     sequence: the sequence file's content with every default and every technique's settings filled in.
-    times: per technique, the median ms a frame took to render, and over how many frames.
+    times: per technique, the medians of the ms that a frame took to render and of the samples, texels or vertices that
+        were shaded for it, and over how many frames.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
     """
 

@@ -7,8 +7,9 @@ from statistics import median
 
 import numpy as np
 
+from sequences import Sequence
 from swimlab import __version__
-from swimlab.catalogue import brdfs, techniques
+from swimlab.catalogue import model_of, techniques
 from swimlab.frames import (
     COLOUR,
     FrameError,
@@ -50,14 +51,16 @@ def render_run(
     """
     metadata = {"swimlab:hash": plan.digest(), "swimlab:version": __version__}
     with Launcher(threads=threads, device=device) as launcher:
-        material = load_material(plan.sequence, launcher)
-        brdf = brdfs()[plan.sequence.scene.material.brdf]
+        model = model_of(plan.sequence)
+        material = load_material(plan.sequence, launcher, twisted=model.anisotropic)
         record = open_record(plan, run, force=force, command=command)
         record.write(run)
+        renders = {name: _begin(plan.sequence, name) for name in plan.techniques}
         times: dict[str, list[float]] = {name: [] for name in plan.techniques}
+        shaded: dict[str, list[int]] = {name: [] for name in plan.techniques}
         try:
             for frame in plan.frames:
-                shot = Shot(plan.sequence, frame, material, brdf, plan.samples, launcher)
+                shot = Shot(plan.sequence, frame, material, model, plan.samples, launcher)
                 path = frame_path(run, GEOMETRY, frame)
                 if force or not path.exists():
                     write_geometry(path, describe_geometry(shot), metadata=metadata)
@@ -65,8 +68,9 @@ def render_run(
                     path = frame_path(run, name, frame)
                     if force or not path.exists():
                         started = time.perf_counter()
-                        picture = _render(shot, name)
+                        picture = renders[name](shot)
                         times[name].append(1e3 * (time.perf_counter() - started))
+                        shaded[name].append(picture.shaded)
                         _check_range(picture, name, frame, half=plan.half)
                         _keep_error(run, frame, picture, record, metadata)
                         write_frame(path, picture.rgba, half=plan.half, metadata=metadata)
@@ -76,7 +80,11 @@ def render_run(
                     advance(name)
                 record.frames = sorted({*record.frames, frame})
         finally:
-            record.times |= {n: {"ms_per_frame": median(ms), "frames": len(ms)} for n, ms in times.items() if ms}
+            record.times |= {
+                name: {"ms_per_frame": median(ms), "shaded_per_frame": median(shaded[name]), "frames": len(ms)}
+                for name, ms in times.items()
+                if ms
+            }
             record.write(run)
     return record
 
@@ -135,10 +143,11 @@ def _earlier(run: Path, *, force: bool) -> Record | None:
         raise
 
 
-def _render(shot: Shot, name: str) -> Picture:
+def _begin(sequence: Sequence, name: str) -> Callable[[Shot], Picture]:
     technique = techniques()[name]
-    settings = technique.settings.model_validate(shot.sequence.techniques.get(name, {}))
-    return technique.render(shot, settings)
+    settings = technique.settings.model_validate(sequence.techniques.get(name, {}))
+    render = technique.begin()
+    return lambda shot: render(shot, settings)
 
 
 def _check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:

@@ -8,12 +8,14 @@ import numpy as np
 import warp as wp
 
 from sequences import Sequence, View
-from swimlab.brdf import Brdf
+from swimlab.brdf import Model
+from swimlab.inputs import Inputs
 from swimlab.kernels.packet import plain_packet
+from swimlab.kernels.shading import in_local_frame
 from swimlab.kernels.structs import Grid, Sun
 from swimlab.launch import Launcher
-from swimlab.mesh import Mesh, road_mesh
-from swimlab.texture import MipChain
+from swimlab.material import Material
+from swimlab.mesh import Mesh, scene_mesh
 from swimlab.triangles import Triangles, on_screen, screen_projection
 
 
@@ -22,15 +24,17 @@ class Shot:
     """A frame of a sequence before any technique has touched it.
 
     samples: the reference's samples a pixel, n x n.
-    brdf: the scene's reflectance model.
+    model: the scene's reflectance model.
+    thinnest: px; slivers under it are not drawn (see `swimlab.triangles.on_screen`).
     """
 
     sequence: Sequence
     frame: int
-    material: MipChain
-    brdf: Brdf
+    material: Material
+    model: Model
     samples: int
     launcher: Launcher
+    thinnest: float = 0.0
 
     @cached_property
     def view(self) -> View:
@@ -39,28 +43,36 @@ class Shot:
 
     @cached_property
     def mesh(self) -> Mesh:
-        """The road about this frame's eye."""
-        return road_mesh(self.sequence.scene.road, self.view.camera)
+        """Road and wires about this frame's eye."""
+        return scene_mesh(self.sequence.scene, self.view.camera)
 
     @cached_property
     def triangles(self) -> Triangles:
-        """The road on the screen."""
+        """The mesh on the screen."""
         width, height = self.sequence.size
-        return on_screen(self.launcher, self.mesh, screen_projection(self.view.camera, height, width))
+        projection = screen_projection(self.view.camera, height, width)
+        return on_screen(self.launcher, self.mesh, projection, thinnest=self.thinnest * max(self.view.pitch))
 
-    @property
-    def shade_packet(self) -> wp.Function:
-        """The shading of a packet of samples: native on the CPU where the model has such a form, else the plain one."""
-        if self.launcher.device == "cpu" and self.brdf.native is not None:
-            return self.brdf.native
-        return plain_packet(self.brdf.evaluate)
+    def inputs(self, wanted: Inputs) -> Inputs:
+        """The inputs themselves, or what stands for them where their own lobe is not the scene's model's."""
+        fits = self.model.slopes_are_gaussian and not self.material.twisted
+        return wanted if fits or wanted.otherwise is None else wanted.otherwise
+
+    def shade_packet(self, inputs: Inputs, width: int) -> wp.Function:
+        """The shading of a packet of texels of `width` floats: native on the CPU where the model has such a form."""
+        if inputs.reflect is not None:
+            return plain_packet(inputs.reflect, width)
+        if self.launcher.device == "cpu" and self.model.native is not None and width == 8:
+            return self.model.native
+        return plain_packet(in_local_frame(self.model.evaluate, width), width)
 
     @cached_property
     def sun(self) -> Any:
         """The light, as kernels take it (a Sun)."""
         sun: Any = Sun()
-        sun.direction = wp.vec3(*self.sequence.scene.sun.direction)
-        sun.diffuse = self.sequence.scene.sun.diffuse
+        light = self.sequence.sun(self.frame)
+        sun.direction = wp.vec3(*light.direction)
+        sun.diffuse = light.diffuse
         return sun
 
     def grid(self, n: int = 1, *, jittered: bool = False) -> Any:

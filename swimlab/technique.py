@@ -8,38 +8,52 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
+from swimlab.inputs import BOX, Inputs
 from swimlab.kernels.samples import shade_samples
+from swimlab.kernels.sampling import resolved
 from swimlab.launch import Strip
+from swimlab.settings import Settings
 from swimlab.shot import Shot
 from swimlab.triangles import Triangles, visibility
 
 Image = NDArray[np.float32]
 
 
-class Settings(BaseModel):
-    """Settings of a technique: plain values with defaults and bounds. This one has none."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 class Picture(NamedTuple):
-    """A rendered frame: `rgba` [H, W, 4], linear, premultiplied; `error` its own standard error where known, alike."""
+    """A rendered frame.
+
+    rgba: [H, W, 4], linear, premultiplied. error: its own standard error where known, alike. shaded: how many samples,
+    texels or vertices the reflectance model was evaluated for.
+    """
 
     rgba: Image
     error: Image | None = None
+    shaded: int = 0
+
+
+Render = Callable[[Shot, Any], Picture]
+"""A shot's picture under a technique's settings: a function of these two alone."""
 
 
 @dataclass(frozen=True)
 class Technique:
-    """An order of filtering and shading, with its name, one line about it, its source and its settings."""
+    """An order of filtering and shading, with its name, one line about it, its source and its settings.
+
+    memory: for a technique whose frames build on one another, what makes a renderer of the very same pictures that
+        keeps what the next frame needs, so that a clip's frames in turn cost one frame each.
+    """
 
     name: str
     summary: str
     source: str
-    render: Callable[[Shot, Any], Picture]
+    render: Render
     settings: type[Settings] = Settings
+    memory: Callable[[], Render] | None = None
+
+    def begin(self) -> Render:
+        """The renderer for a run: shots of one sequence under one set of settings."""
+        return self.render if self.memory is None else self.memory()
 
 
 TextureFilter = Callable[[Any], wp.Function]
@@ -58,43 +72,54 @@ def pixel_shading(texture_filter: TextureFilter) -> Callable[[Shot, Any], Pictur
     return render
 
 
-def render_samples(shot: Shot, texture_filter: wp.Function, *, n: int, jittered: bool = False) -> Picture:
+def render_samples(
+    shot: Shot, texture_filter: wp.Function, *, n: int, jittered: bool = False, inputs: Inputs = BOX
+) -> Picture:
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher = shot.launcher
     size = (shot.view.height, shot.view.width)
     picture = launcher.empty(size, wp.vec4)
     error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
-    shade = shade_grid(shot, texture_filter, shot.grid(n, jittered=jittered), n)
-    triangles = shot.triangles
-    launcher.each(launcher.strips(size[0], n), lambda strip: shade(triangles, strip, picture, error))
-    return Picture(to_image(picture), to_image(error) if n > 1 else None)
+    shaded = launcher.empty(size[0], wp.int32)
+    grid, triangles = shot.grid(n, jittered=jittered), shot.triangles
+    shade = shading(shot, texture_filter, n, inputs)
+
+    def fill(strip: Strip) -> None:
+        shade(grid, triangles, visibility(launcher, triangles, grid, strip, n), strip, picture, error, shaded)
+
+    launcher.each(launcher.strips(size[0], n), fill)
+    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
 
 
-def shade_grid(shot: Shot, texture_filter: wp.Function, grid: Any, n: int) -> Callable[..., None]:
-    """What rasterises and shades a strip of a grid, of the screen or of a target in texture space.
+def shading(shot: Shot, texture_filter: wp.Function, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
+    """What shades a strip of a grid of n x n samples a pixel, of the screen or of a target in texture space.
 
-    It is called with triangles, strip, picture [H, W] and error ([H, W] if n > 1), and fills rows of the latter two
-    from `row` on (default: the strip's own). Kernels are made here, once, and not in the threads that call it.
+    It is called with grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
+    shaded ([H], samples), and fills rows of the latter three from `row` on (default: the strip's own). Kernels are made
+    here, once, and not in the threads that call it.
     """
-    launcher, chain, texels, sun = shot.launcher, shot.material.shape, shot.material.texels, shot.sun
-    kernel = shade_samples(texture_filter, shot.shade_packet, n > 1)
+    launcher, sun = shot.launcher, shot.sun
+    inputs = shot.inputs(inputs)
+    chain = shot.material.chain(inputs)
+    width = chain.floats
+    if inputs.resolve is not None:
+        texture_filter = resolved(texture_filter, inputs.resolve, width)
+    kernel = shade_samples(texture_filter, width, shot.shade_packet(inputs, width), n > 1)
 
-    def shade(triangles: Triangles, strip: Strip, picture: Any, error: Any, *, row: int | None = None) -> None:
-        visible = visibility(launcher, triangles, grid, strip, n)
-        inputs = [
-            strip.first,
-            strip.first if row is None else row,
-            n,
-            grid,
-            visible,
-            triangles.planes,
-            texels,
-            chain,
-            sun,
-            picture,
-            error,
-        ]
-        launcher.launch(kernel, strip.rows, inputs)
+    def shade(
+        grid: Any,
+        triangles: Triangles,
+        visible: Any,
+        strip: Strip,
+        picture: Any,
+        error: Any,
+        shaded: Any,
+        *,
+        row: int | None = None,
+    ) -> None:
+        arguments = [strip.first, strip.first if row is None else row, n, grid, visible, triangles.planes]
+        arguments += [chain.texels, chain.shape, sun, picture, error, shaded]
+        launcher.launch(kernel, strip.rows, arguments)
 
     return shade
 

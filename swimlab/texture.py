@@ -21,6 +21,11 @@ class MipChain:
     texels: Any
     shape: Any
 
+    @property
+    def floats(self) -> int:
+        """Floats of a texel."""
+        return int(self.texels.dtype._length_)
+
     @staticmethod
     def allocate(launcher: Launcher, *, width: int, height: int, dtype: Any, clamps: bool) -> "MipChain":
         """An empty chain; width and height are powers of two."""

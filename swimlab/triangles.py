@@ -4,7 +4,7 @@ All in double precision, before the rasteriser. The same code serves the screen,
 texture space, where they are the atlas coordinates: there is one rasteriser.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,14 +17,22 @@ from swimlab.kernels.structs import Edges, Planes
 from swimlab.launch import Launcher, Strip
 from swimlab.mesh import Doubles, Mesh
 
+NOWHERE = (np.inf, -np.inf)
+"""The range of y of a triangle that is not drawn."""
+
 
 @dataclass(frozen=True)
 class Triangles:
-    """Triangles ready for the rasteriser, on the device: M edge matrices, M plane matrices, M ranges of y (px)."""
+    """Triangles ready for the rasteriser, on the device: M edge matrices, M plane matrices, M ranges of y (px).
+
+    back_faces, slivers: how many of the mesh's triangles are not drawn, since they face away or are too thin.
+    """
 
     edges: Any
     planes: Any
     bounds: Any
+    back_faces: int = 0
+    slivers: int = 0
 
 
 def screen_projection(camera: Camera, height: int, width: int) -> Doubles:
@@ -37,23 +45,58 @@ def screen_projection(camera: Camera, height: int, width: int) -> Doubles:
     return np.asarray(intrinsics @ camera.basis(), np.float64)
 
 
-def on_screen(launcher: Launcher, mesh: Mesh, projection: Doubles) -> Triangles:
-    """The mesh as the camera sees it."""
-    return set_up(launcher, mesh.positions @ projection.T, mesh, np.arange(len(mesh.triangles)))
+def on_screen(
+    launcher: Launcher, mesh: Mesh, projection: Doubles, *, carried: Doubles | None = None, thinnest: float = 0.0
+) -> Triangles:
+    """The mesh as the camera sees it, without what faces away from it.
+
+    carried: [N, 3], values to interpolate in the place of the positions. thinnest: px; loose triangles of a lesser
+    altitude on the screen are not drawn either, as hardware that samples pixels sees them now and then only.
+    """
+    points = mesh.positions @ projection.T
+    facing = mesh.facing
+    slivers = facing & mesh.loose
+    slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
+    mesh = mesh if carried is None else replace(mesh, positions=carried)
+    triangles = set_up(launcher, points, mesh, np.arange(len(mesh.triangles)), drawn=facing & ~slivers)
+    return replace(triangles, back_faces=int(np.sum(~facing)), slivers=int(np.sum(slivers)))
 
 
-def in_texture(launcher: Launcher, mesh: Mesh, segment: int) -> Triangles:
-    """One segment's triangles drawn with atlas coordinates as positions; the image is the unit square."""
-    points = np.concatenate([mesh.uv, np.ones((len(mesh.uv), 1))], axis=1)
-    return set_up(launcher, points, mesh, np.flatnonzero(mesh.segments == segment))
+def in_texture(launcher: Launcher, mesh: Mesh, segment: int, texel: float) -> Triangles:
+    """One segment's triangles drawn with atlas coordinates as positions; the image is the unit square.
+
+    What faces away from the eye is left out (Sloan & Baker, Drawing polygons on the backside). A chart narrower than a
+    texel is widened to one about its middle, or it might hold no texel's centre.
+    """
+    mine = mesh.segments == segment
+    chosen = np.flatnonzero(mine & mesh.facing)
+    chart = mesh.uv[mesh.triangles[chosen]].reshape(-1, 2)
+    low, high = chart.min(axis=0), chart.max(axis=0)
+    wider = np.maximum(1.0, texel / np.maximum(high - low, 1e-12))
+    middle = (low + high) / 2
+    points = np.concatenate([middle + (mesh.uv - middle) * wider, np.ones((len(mesh.uv), 1))], axis=1)
+    return replace(set_up(launcher, points, mesh, chosen), back_faces=int(np.sum(mine & ~mesh.facing)))
 
 
-def set_up(launcher: Launcher, points: Doubles, mesh: Mesh, chosen: NDArray[np.int64]) -> Triangles:
+def narrowest(mesh: Mesh, segment: int) -> float:
+    """The least extent in u or v of a segment's triangles that face the eye."""
+    corners = mesh.uv[mesh.triangles[(mesh.segments == segment) & mesh.facing]]
+    return float(np.min(corners.max(axis=1) - corners.min(axis=1)))
+
+
+def set_up(
+    launcher: Launcher,
+    points: Doubles,
+    mesh: Mesh,
+    chosen: NDArray[np.int64],
+    *,
+    drawn: NDArray[np.bool_] | None = None,
+) -> Triangles:
     """Edge functions and plane equations (Olano & Greer 1997) of the chosen triangles.
 
     points: [N, 3], homogeneous image coordinates of the mesh's vertices. With e0 = v1 x v2 and so on and d = v0 . e0,
     1/w = sum e_k / d and a/w = sum a_k e_k / d. A triangle seen from behind has all signs turned; one without area
-    covers nothing.
+    covers nothing, nor does one that is not to be `drawn` ([len(chosen)]; default: all are): its place stays empty.
     """
     corners = mesh.triangles[chosen]
     v = points[corners]
@@ -64,10 +107,13 @@ def set_up(launcher: Launcher, points: Doubles, mesh: Mesh, chosen: NDArray[np.i
     with_one = np.concatenate([np.ones((*corners.shape, 1)), attributes], axis=2)
     area = np.where(determinant == 0.0, 1.0, np.abs(determinant))
     planes = np.einsum("mka,mkc->mac", with_one, edges) / area[:, None, None]
+    bounds = _vertical_bounds(v)
+    if drawn is not None:
+        bounds[~drawn] = NOWHERE
     return Triangles(
         edges=launcher.array(edges, Edges),
         planes=launcher.array(planes, Planes),
-        bounds=launcher.array(_vertical_bounds(v), wp.vec2d),
+        bounds=launcher.array(bounds, wp.vec2d),
     )
 
 
@@ -102,3 +148,14 @@ def _vertical_bounds(v: Doubles) -> Doubles:
     low = np.where(in_front, y.min(axis=1), -np.inf)
     high = np.where(in_front, y.max(axis=1), np.inf)
     return np.stack([low, high], axis=1)
+
+
+def _altitudes(v: Doubles) -> Doubles:
+    """Least altitude of each triangle [K, 3, 3] on the screen, px; infinite where it is not all before the eye."""
+    w = v[:, :, 2:]
+    in_front = np.all(w > NEAR, axis=(1, 2))
+    corner = v[:, :, :2] / np.where(w > NEAR, w, 1.0)
+    side = corner[:, (1, 2, 0)] - corner
+    area = np.abs(side[:, 0, 0] * side[:, 1, 1] - side[:, 0, 1] * side[:, 1, 0])
+    longest = np.linalg.norm(side, axis=2).max(axis=1, initial=0.0)
+    return np.where(in_front, area / np.where(longest > 0.0, longest, 1.0), np.inf)

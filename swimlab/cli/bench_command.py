@@ -1,55 +1,12 @@
-"""`swimlab bench`."""
+"""`swimlab bench`: one kind a file, loaded when it is called."""
 
-from typing import Annotated, Literal
+from cyclopts import App
 
-from cyclopts import Parameter
+KINDS = {
+    "measures": "Time the measures, in frames a second.",
+}
 
-
-def bench_command(
-    kind: Literal["measures"],
-    /,
-    *,
-    size: str = "1920x1080",
-    frames: int = 32,
-    threads: int | None = None,
-    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
-) -> int:
-    """Time the measures, in frames a second.
-
-    Parameters
-    ----------
-    kind:
-        What to time.
-    size:
-        Size of the frames in pixels, WIDTHxHEIGHT.
-    frames:
-        Frames of the clip.
-    threads:
-        Threads to measure with (default: every core).
-    quiet:
-        Show no progress.
-    """
-    from rich.console import Console
-    from rich.table import Table
-
-    from swimlab.bench import FAMILIES, time_measures
-    from swimlab.cli.options import parse_size
-    from swimlab.cli.progress import progress
-    from swimlab.record import RunError, provenance
-
-    width, height = parse_size(size)
-    if frames < 2 or min(width, height) < 64:
-        raise RunError(f"--frames {frames} --size {size}: needs at least 2 frames of 64x64 px")
-    with progress(f"timing {kind}", len(FAMILIES), quiet=quiet) as advance:
-        timings = time_measures(width, height, frames, threads=threads, advance=advance)
-    about = provenance("")
-    table = Table(
-        "scores", title=f"{frames} frames of {size}, {about['machine']}, swimlab {about['swimlab']}", box=None
-    )
-    table.add_column("frames/s", justify="right")
-    table.add_column("peak memory, MB", justify="right")
-    for timing in timings:
-        name = ", ".join(timing.names) or "all"
-        table.add_row(name, f"{timing.frames_per_second:.2f}", f"{timing.peak_memory / 1e6:.0f}")
-    Console().print(table)
-    return 0
+bench_command = App(name="bench", help="Time techniques and measures, and hold their cost against their error.")
+for _name, _help in KINDS.items():
+    _function = f"bench_{_name.replace('-', '_')}"
+    bench_command.command(f"swimlab.cli.{_function}:{_function}", name=_name, help=_help)

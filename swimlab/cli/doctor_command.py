@@ -45,7 +45,7 @@ def _render() -> str:
     import time
 
     from sequences import load
-    from swimlab.catalogue import brdfs, techniques
+    from swimlab.catalogue import model_of, techniques
     from swimlab.launch import Launcher
     from swimlab.material import load_material
     from swimlab.shot import Shot
@@ -54,8 +54,7 @@ def _render() -> str:
     technique = techniques()["pixel-aniso"]
     with Launcher() as launcher:
         started = time.perf_counter()
-        brdf = brdfs()[sequence.scene.material.brdf]
-        shot = Shot(sequence, 0, load_material(sequence, launcher), brdf, 4, launcher)
+        shot = Shot(sequence, 0, load_material(sequence, launcher), model_of(sequence), 4, launcher)
         mean = float(technique.render(shot, technique.settings()).rgba[..., :3].mean())
     if not mean > 0:
         raise RuntimeError("the picture came out black")

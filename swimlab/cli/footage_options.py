@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
+    from metrics import Display
     from swimlab.footage.convention import Convention
     from swimlab.footage.source import Box
     from swimlab.footage.subject import Request
 
 Hyphens = Parameter(allow_leading_hyphen=True)
 Flag = Parameter(negative="")
+
+VIEWING = ("pixels_per_degree", "luminance")
+"""Options that run folders have too, there instead of the sequence's [viewing]."""
 
 
 @Parameter(name="*")
@@ -58,9 +62,13 @@ class Footage:
     skip_bad_frames:
         Leave out frames that are missing, damaged, of another size, or hold NaN; recorded in the scores.
     pixels_per_degree:
-        Pixels to a degree of visual angle, for visibility.
+        Pixels to a degree of visual angle, for visibility (also of a run folder, instead of its sequence's).
     luminance:
-        What radiance 1 is shown with, cd/m^2, for visibility.
+        What radiance 1 is shown with, cd/m^2, for visibility (also of a run folder, instead of its sequence's).
+    exposure:
+        Stops by which frames are brightened for the display domain (default: 0).
+    tone_map:
+        How bright light is brought under 1 for the display domain (default: none, it is clamped).
     """
 
     test: str | None = None
@@ -83,6 +91,8 @@ class Footage:
     skip_bad_frames: Annotated[bool, Flag] = False
     pixels_per_degree: float | None = None
     luminance: float | None = None
+    exposure: Annotated[float | None, Hyphens] = None
+    tone_map: Literal["none", "reinhard", "aces"] | None = None
 
     def request(self, domain: Literal["linear", "display"]) -> "Request":
         """What to measure. Raises FrameError for an option that cannot be read."""
@@ -90,10 +100,8 @@ class Footage:
         from swimlab.footage.subject import Request
         from swimlab.frames import FrameError
 
-        viewing = (("--pixels-per-degree", self.pixels_per_degree), ("--luminance", self.luminance))
-        for name, value in (("--fps", self.fps), *viewing):
-            if value is not None and not 0 < value < float("inf"):
-                raise FrameError(f"{name} {value:g}: must be above 0")
+        viewing = self.viewing()
+        _check_positive("--fps", self.fps)
         if self.test is None:
             raise FrameError("--test: is missing; name the frames to measure, or a run folder")
         return Request(
@@ -106,11 +114,31 @@ class Footage:
             look=Look(channels=self.channels, colour_space=self.colorspace, alpha=self.alpha, crop=_crop(self.crop)),
             convention=self._convention(),
             domain=domain,
+            display=self._display(domain),
             skip_bad_frames=self.skip_bad_frames,
             unverified=self.motion_unverified,
-            pixels_per_degree=self.pixels_per_degree,
-            luminance=self.luminance,
+            pixels_per_degree=viewing.get("pixels_per_degree"),
+            luminance=viewing.get("luminance"),
         )
+
+    def viewing(self) -> dict[str, float]:
+        """What is given of pixels_per_degree and luminance. Raises FrameError where one is not above 0."""
+        given = {name: getattr(self, name) for name in VIEWING}
+        for name, value in given.items():
+            _check_positive(f"--{name.replace('_', '-')}", value)
+        return {name: value for name, value in given.items() if value is not None}
+
+    def _display(self, domain: Literal["linear", "display"]) -> "Display":
+        from metrics import Display
+        from swimlab.frames import FrameError
+
+        for option, value in (("--exposure", self.exposure), ("--tone-map", self.tone_map)):
+            if value is not None and domain != "display":
+                raise FrameError(f"{option} {value}: is for --domain display")
+        try:
+            return Display(exposure=self.exposure or 0.0, tone_map=self.tone_map or "none")
+        except ValueError as error:
+            raise FrameError(f"--exposure: {error}") from error
 
     def _convention(self) -> "Convention":
         from swimlab.footage.convention import PRESETS
@@ -131,6 +159,13 @@ class Footage:
             y=self.motion_y or preset.y,
             scale=preset.scale if self.motion_scale is None else _scale(self.motion_scale),
         )
+
+
+def _check_positive(option: str, value: float | None) -> None:
+    from swimlab.frames import FrameError
+
+    if value is not None and not 0 < value < float("inf"):
+        raise FrameError(f"{option} {value:g}: must be above 0")
 
 
 def _crop(text: str | None) -> "Box | None":

@@ -7,6 +7,7 @@ import warnings
 from cyclopts import App
 
 from swimlab import __version__
+from swimlab.cli.bench_command import bench_command
 
 COMMANDS = {
     "study": "Render the techniques and the reference, measure them and write a report.",
@@ -18,7 +19,6 @@ COMMANDS = {
     "list": "List techniques, sequences, brdfs or metrics.",
     "info": "Say what a sequence, a run folder or frames of your own hold.",
     "selftest": "Measure clips with known answers and show both.",
-    "bench": "Time the measures, in frames a second.",
     "doctor": "Check that everything swimlab needs works on this machine.",
     "schema": "Print the JSON schema of sequence files, for editors.",
 }
@@ -31,6 +31,7 @@ app = App(
 )
 for _name, _help in COMMANDS.items():
     app.command(f"swimlab.cli.{_name}_command:{_name}_command", name=_name, help=_help)
+app.command(bench_command)
 
 
 def main() -> None:

@@ -3,14 +3,14 @@
 import json
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from swimlab.cli.footage_options import Footage
+from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.progress import progress
 from swimlab.measure import Domain
 from swimlab.record import Record, RunError
@@ -36,7 +36,7 @@ def measure_command(
     run:
         Run folder.
     domain:
-        Measure linear radiance, or display codes (exposure 1, clamped, sRGB).
+        Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     output:
         Write the scores to this file too, as JSON.
     peers:
@@ -52,7 +52,7 @@ def measure_command(
         raise RunError("measure either a run folder or frames of your own: give RUN or --test, one of them")
     if run is not None:
         _refuse_footage(footage)
-        scores = measure_with_progress(run, domain, peers=others, quiet=quiet)
+        scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), quiet=quiet)
     else:
         scores = _measure_footage(footage, domain, peers=others, quiet=quiet)
     if output is not None:
@@ -68,7 +68,14 @@ def measure_command(
     return 0
 
 
-def measure_with_progress(run: Path, domain: Domain, *, peers: Sequence[str] = (), quiet: bool) -> dict[str, Any]:
+def measure_with_progress(
+    run: Path,
+    domain: Domain,
+    *,
+    peers: Sequence[str] = (),
+    viewing: Mapping[str, float] | None = None,
+    quiet: bool,
+) -> dict[str, Any]:
     """Measure a run, showing how far it is."""
     from swimlab.measure import measure_run
     from swimlab.record import REFERENCE
@@ -77,7 +84,7 @@ def measure_with_progress(run: Path, domain: Domain, *, peers: Sequence[str] = (
     tests = [name for name in record.techniques if name != REFERENCE]
     with progress(f"measuring {record.sequence['name']}", len(tests), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
-        return measure_run(run, domain=domain, peers=peers, command=command, advance=advance)
+        return measure_run(run, domain=domain, peers=peers, viewing=viewing, command=command, advance=advance)
 
 
 def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool) -> dict[str, Any]:
@@ -107,7 +114,8 @@ def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
 
 def _refuse_footage(footage: Footage) -> None:
     """Raise RunError where options for frames of one's own come with a run folder, whose files say all that."""
-    given = [f.name for f in fields(footage) if getattr(footage, f.name) != f.default]
+    about_frames = [field for field in fields(footage) if field.name not in VIEWING]
+    given = [field.name for field in about_frames if getattr(footage, field.name) != field.default]
     if given:
         option = given[0].replace("range_of_", "").replace("_", "-")
         raise RunError(f"--{option}: is for frames of your own, with --test; a run folder knows it by itself")

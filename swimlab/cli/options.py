@@ -67,9 +67,9 @@ class Rendering:
 def load_sequence(name: str) -> "Sequence":
     """A sequence by name or file, checked against the techniques and reflectance models there are."""
     from sequences import load
-    from swimlab.catalogue import brdfs, technique_settings
+    from swimlab.catalogue import brdf_settings, technique_settings
 
-    return load(name, technique_settings=technique_settings(), brdfs=brdfs())
+    return load(name, technique_settings=technique_settings(), brdfs=brdf_settings())
 
 
 def technique_names(text: str | None) -> tuple[str, ...]:

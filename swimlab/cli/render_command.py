@@ -20,6 +20,7 @@ def render_command(
     *,
     techniques: Annotated[str | None, Parameter(name=["--techniques", "-t"])] = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    targets: Annotated[bool, Parameter(negative="")] = False,
     rendering: Rendering | None = None,
 ) -> int:
     """Render a sequence under one or several techniques into a run folder.
@@ -34,13 +35,30 @@ def render_command(
         Techniques, separated by commas (default: all).
     output:
         Run folder (default: runs/SEQUENCE).
+    targets:
+        Write the texture-space pictures of tsl too: RUN/targets/FRAME/SEGMENT.exr (light) and .png (normals, light).
     """
     rendering = rendering or Rendering()
     plan = rendering.plan(sequence, technique_names(techniques))
     run = output or run_folder(plan.sequence.name)
+    if targets:
+        from swimlab.texture_pictures import check_targets
+
+        check_targets(plan)
     render_with_progress(plan, run, rendering)
+    if targets:
+        _targets_with_progress(plan, run, rendering)
     print(run)
     return 0
+
+
+def _targets_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
+    from swimlab.texture_pictures import write_run_targets
+
+    with progress(f"targets of {plan.sequence.name}", len(plan.frames), quiet=rendering.quiet) as advance:
+        write_run_targets(
+            plan, run, threads=rendering.threads, device=rendering.device, advance=lambda: advance("targets")
+        )
 
 
 def render_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:

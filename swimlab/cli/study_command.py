@@ -37,7 +37,7 @@ def study_command(
     output:
         Folder to write.
     domain:
-        Measure linear radiance, or display codes (exposure 1, clamped, sRGB).
+        Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     """
     from swimlab.cli.scores import print_scores
     from swimlab.report.contact import write_contact_sheet

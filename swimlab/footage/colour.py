@@ -5,7 +5,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.display import Domain, to_domain
+from metrics.display import STANDARD, Display, Domain
 
 ColourSpace = Literal["auto", "linear", "srgb"]
 
@@ -40,12 +40,14 @@ def quantisation_floor(
     stored_as: str,
     space: Literal["linear", "srgb"],
     domain: Domain,
+    display: Display = STANDARD,
     full_scale: int | None = None,
 ) -> float | None:
     """Mean squared error that rounding to the stored codes makes, radiance^2: step^2 / 12 over the codes in use.
 
     stored: values as stored, integers scaled to 0..1, any shape. full_scale: codes from black to white, for limited
-    range. None where values are not quantised in steps that matter (32-bit floats).
+    range. display: whose curve it is in the display domain. None where values are not quantised in steps that matter
+    (32-bit floats).
     """
     if stored_as == "half":
         half: NDArray[Any] = np.spacing(np.abs(stored).astype(np.float16)).astype(np.float64) / 2
@@ -54,5 +56,7 @@ def quantisation_floor(
     else:
         return None
     values = stored.astype(np.float64)
-    below, above = (to_domain(decode(edge, space), domain) for edge in (values - half, values + half))
+    below, above = (decode(edge, space) for edge in (values - half, values + half))
+    if domain == "display":
+        below, above = display.curve(below), display.curve(above)
     return float(np.mean((above - below) ** 2) / 12)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from metrics import measure
+from metrics import measure, quantisation
 from swimlab.footage.subject import Subject
 from swimlab.peer import all_peer_scores
 from swimlab.record import VERSION, provenance
@@ -27,10 +27,11 @@ def measure_subject(
     """
     request = subject.request
     clip, reference = subject.clips()
-    found = measure(clip, reference, domain=request.domain, progress=advance)
+    found = measure(clip, reference, domain=request.domain, display=request.display, progress=advance)
     found.scores |= all_peer_scores(peers, clip, reference)
-    floor = subject.test.quantisation(subject.sampled(), request.domain)
-    found.put("quantisation.floor", floor, "32-bit floats have no steps that matter")
+    floors = subject.test.quantisation(subject.sampled(), request.domain, request.display)
+    found.merge(quantisation(floors, len(subject.kept)))
+    floor = found.scores.get("quantisation.floor")
     if floor is not None:
         text = f"{subject.test.stored_as} codes: quantisation alone makes a flicker of {np.sqrt(floor):.2g} rms"
         subject.note(text)
@@ -44,6 +45,7 @@ def measure_subject(
         **vars(found),
         "frames": [{**row, "frame": numbers[row["frame"]]} for row in found.frames],
         "notes": subject.notes,
+        **({"display": asdict(request.display)} if request.domain == "display" else {}),
     }
     settings = _settings(subject)
     digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
@@ -52,10 +54,10 @@ def measure_subject(
 
 
 def _settings(subject: Subject) -> dict[str, Any]:
-    """All that decides the scores but for the pixels."""
+    """All that decides the scores but for the pixels, and for the display, which stands with the scores."""
     request = subject.request
     chosen = asdict(request)
-    for part_of_command in ("test", "reference", "mask", "unverified"):
+    for part_of_command in ("test", "reference", "mask", "unverified", "display"):
         chosen.pop(part_of_command)
     height, width = subject.test.shape
     chosen["motion"] = request.motion if subject.motion_kind == "uniform" else subject.motion_kind

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.display import Domain
+from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour
 from swimlab.footage.colour import ColourSpace, decode, quantisation_floor, resolve
 from swimlab.footage.reader import Reader
@@ -50,7 +50,7 @@ class Source:
     """Frames by index as linear radiance."""
 
     def __init__(self, reader: Reader, look: Look) -> None:
-        """Raises FrameError where channels, alpha or crop are not to be had."""
+        """Frames without alpha are wholly opaque. Raises FrameError where channels or crop are not to be had."""
         self.reader = reader
         self.part, self.channels = find_colour(reader.header, look.channels, reader.name)
         part = reader.header.parts[self.part]
@@ -58,8 +58,6 @@ class Source:
         self.space = resolve(look.colour_space, stored_as=self.stored_as, metadata=reader.header.colour_space)
         self._look = look
         self._alpha = find_alpha(part, self.channels) if look.alpha != "ignore" else None
-        if look.alpha != "ignore" and self._alpha is None:
-            raise FrameError(f"--alpha {look.alpha}: {reader.name} has no alpha; it has {', '.join(part.channels)}")
         check_crop(look.crop, reader.header.size, reader.name)
         self._read = lru_cache(maxsize=2)(self._stored)
 
@@ -95,20 +93,19 @@ class Source:
         enough = alpha > 0 if self._look.alpha == "unpremultiply" else alpha >= 1 - 1e-6
         return enough.astype(np.float32)
 
-    def quantisation(self, indices: Iterable[int], domain: Domain) -> float | None:
-        """Mean squared error of rounding to stored codes, radiance^2, over some frames; None for 32-bit floats."""
-        floors = [
+    def quantisation(self, indices: Iterable[int], domain: Domain, display: Display) -> list[float | None]:
+        """Mean squared errors of rounding some frames to stored codes, radiance^2; None for 32-bit floats."""
+        return [
             quantisation_floor(
                 self._read(index)[..., : len(self.channels)],
                 stored_as=self.stored_as,
                 space=self.space,
                 domain=domain,
+                display=display,
                 full_scale=self.reader.header.full_scale,
             )
             for index in indices
         ]
-        found = [floor for floor in floors if floor is not None]
-        return float(np.mean(found)) if found else None
 
     @property
     def _wanted(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from metrics import Clip
-from metrics.display import Domain
+from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.channels import find_pair
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.header import LOSSY
@@ -44,6 +44,7 @@ class Request:
     look: Look = field(default_factory=Look)
     convention: Convention = PRESETS["own"]
     domain: Domain = "linear"
+    display: Display = STANDARD
     skip_bad_frames: bool = False
     unverified: bool = False
     pixels_per_degree: float | None = None
@@ -64,6 +65,8 @@ class Subject:
         if request.reference is not None:
             self.reference = Source(open_frames(request.reference, frames=request.frames), look)
             self._match(self.reference.reader, "reference")
+        if look.alpha != "ignore" and not any(source and source.has_coverage for source in (self.test, self.reference)):
+            raise FrameError(f"--alpha {look.alpha}: {self.test.reader.name} has no alpha")
         self.mask = None
         if request.mask is not None:
             self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
@@ -108,7 +111,7 @@ class Subject:
 
         whole = self.kept == list(range(self.kept[0], self.kept[-1] + 1))
         uniform = motion.velocity if isinstance(motion, UniformMotion) and whole else None
-        coverage = self._coverage(source)
+        coverage = self._coverage()
         return Clip(
             frame=lambda t: source.picture(kept[t]),
             count=len(kept),
@@ -119,9 +122,9 @@ class Subject:
             luminance=self.request.luminance,
         )
 
-    def _coverage(self, source: Source) -> Callable[[int], Image] | None:
+    def _coverage(self) -> Callable[[int], Image] | None:
         """Where frames are measured, by mask, test and reference."""
-        givers = [each.coverage for each in (source, self.reference) if each is not None and each.has_coverage]
+        givers = [each.coverage for each in (self.test, self.reference) if each and each.has_coverage]
         givers += [self.mask.coverage] if self.mask is not None else []
         if not givers:
             return None
@@ -171,7 +174,7 @@ class Subject:
         if self.motion_kind not in ("uniform", "fields"):
             return
         source = self.reference or self.test
-        checked = verify(self.motion, source.picture, self._coverage(source), self.kept)
+        checked = verify(self.motion, source.picture, self._coverage(), self.kept)
         for line in checked.lines():
             self.note(line)
         checked.check()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sequences import load
-from swimlab.catalogue import brdfs, technique_settings, techniques
+from swimlab.catalogue import brdf_settings, technique_settings, techniques
 from swimlab.gate.outcome import Outcome, run_gate
 from swimlab.gate.rules import GateError
 from swimlab.measure import Domain, measure_run
@@ -34,7 +34,7 @@ def render_and_measure(
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:
         raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")
-    loaded = load(sequence, technique_settings=technique_settings(), brdfs=brdfs())
+    loaded = load(sequence, technique_settings=technique_settings(), brdfs=brdf_settings())
     if size is not None:
         loaded = loaded.with_changes(size=size)
     names = set(techniques()) if only is None else {*only, REFERENCE}

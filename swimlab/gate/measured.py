@@ -1,13 +1,15 @@
 """Scores of runs as the gate sees them: of which clip, under which settings, and where its frames lie."""
 
 import json
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from metrics.display import STANDARD
+from sequences.viewing import Viewing
 from swimlab.gate.rules import GateError
 from swimlab.record import VERSION, Record
 
@@ -19,8 +21,9 @@ Key = tuple[str, str]
 class Settings:
     """What must agree for two measurements to be comparable.
 
-    hash: of all that decides the pixels, or None for frames that swimlab did not render. domain: "linear" or
-    "display". extent: the frames that were measured, as "0-31", or "9 scales".
+    hash: of all that decides the pixels, or None for frames that swimlab did not render. domain: "linear", "display" or
+    "display: gamma sqrt", with all that is not as it stands. extent: the frames that were measured, as "0-31", or "9
+    scales".
     """
 
     hash: str | None
@@ -135,12 +138,30 @@ def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: 
         technique=str(content["technique"]),
         scores={name: _number(value) for name, value in content["scores"].items()},
         absent=dict(content.get("absent", {})),
-        settings=Settings(digest, str(provenance.get("domain", "linear")), _extent(frames, curves)),
+        settings=Settings(digest, _domain(provenance, content), _extent(frames, curves)),
         frames=frames,
         curves=curves,
         folder=folder,
         provenance=provenance,
     )
+
+
+def _domain(provenance: dict[str, Any], content: dict[str, Any]) -> str:
+    """The domain, as "linear", "display" or "display: gamma sqrt, bloom.strength 0.2"; the seed is in the hash."""
+    domain = str(provenance.get("domain", "linear"))
+    standard = dict(_flat(asdict(STANDARD) | Viewing().model_dump()))
+    given = dict(_flat(content.get("display", {}) | content.get("viewing", {})))
+    changed = [f"{key} {value}" for key, value in given.items() if key != "seed" and value != standard.get(key)]
+    return f"{domain}: {', '.join(changed)}" if changed else domain
+
+
+def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys and values of nested tables, as ("bloom.strength", 0.2)."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
 
 
 def _number(value: Any) -> float:

@@ -18,6 +18,17 @@ class Previous:
     pitch: wp.vec2d
 
 
+@wp.func
+def place_before(previous: Previous, position: wp.vec3d) -> wp.vec3d:
+    """Where the previous frame saw a position relative to the eye now: cells right and down, and m along its axis."""
+    before = previous.projection @ (position + previous.offset)
+    return wp.vec3d(
+        (before[0] / before[2] - previous.origin[0]) / previous.pitch[0],
+        (before[1] / before[2] - previous.origin[1]) / previous.pitch[1],
+        before[2],
+    )
+
+
 @wp.kernel
 def describe(
     first_row: wp.int32,
@@ -48,9 +59,7 @@ def describe(
         cell = wp.vec2d(wp.float64(i) + half, wp.float64(j) + half)
         p = wp.vec2d(grid.origin[0] + cell[0] * grid.pitch[0], grid.origin[1] + cell[1] * grid.pitch[1])
         surface = surface_at(planes[triangle], grid, p)
-        before = previous.projection @ (surface.position + previous.offset)
-        was_x = (before[0] / before[2] - previous.origin[0]) / previous.pitch[0]
-        was_y = (before[1] / before[2] - previous.origin[1]) / previous.pitch[1]
-        motion[j, i] = wp.vec2(wp.float32(cell[0] - was_x), wp.float32(cell[1] - was_y))
+        was = place_before(previous, surface.position)
+        motion[j, i] = wp.vec2(wp.float32(cell[0] - was[0]), wp.float32(cell[1] - was[1]))
         plane = planes[triangle]
         depth[j, i] = wp.float32(wp.float64(1.0) / (plane[0, 0] * p[0] + plane[0, 1] * p[1] + plane[0, 2]))

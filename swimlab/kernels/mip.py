@@ -5,7 +5,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.kernels.sampling import fetch
-from swimlab.kernels.structs import Chain, Texel
+from swimlab.kernels.structs import TEXELS, Chain
 
 wp.set_module_options({"enable_backward": False})
 
@@ -24,6 +24,6 @@ def halve(level: wp.int32, chain: Chain, texels: wp.array(dtype=Any)):
 
 HALVE = {
     dtype: wp.overload(halve, {"level": wp.int32, "chain": Chain, "texels": wp.array(dtype=dtype)})
-    for dtype in (Texel, wp.vec4)
+    for dtype in (*TEXELS.values(), wp.vec4)
 }
-"""`halve` for the material's texels and for light with alpha."""
+"""`halve` for every kind of texel and for light with alpha."""

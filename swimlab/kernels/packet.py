@@ -1,8 +1,8 @@
 """Packets: samples gathered side by side, so that one reflectance model is evaluated over many of them at once.
 
-A packet is a local array of ROWS rows of LANES floats: the texel's eight values, then position (m, relative to the eye)
-and slope. Shading leaves radiance in the first three rows. A model may bring a native form that a compiler can
-vectorise; else each lane is shaded by the plain form.
+A packet is a local array of rows of LANES floats: the texel's values (8, or as many as its kind has), then position (m,
+relative to the eye) and slope. Shading leaves radiance in the first three rows. A model may bring a native form that a
+compiler can vectorise; else each lane is shaded by the plain form.
 """
 
 import functools
@@ -10,29 +10,39 @@ import functools
 import warp as wp
 
 from swimlab.kernels.shading import shade_with
-from swimlab.kernels.structs import Sun, Surface, Texel
+from swimlab.kernels.structs import TEXELS, Sun, Surface
 
 LANES = 64
 """Samples in a packet."""
-ROWS = 12
-"""Values of a sample: texel 0..7, position 8..10, slope 11."""
 
 wp.set_module_options({"enable_backward": False})
 
 
-PUT = """
+def rows_of(width: int) -> int:
+    """Values of a sample whose texel has `width` floats."""
+    return width + 4
+
+
+@functools.cache
+def put_in(width: int) -> wp.Function:
+    """The function that stores a filtered texel of `width` floats and its surface in a lane of a packet.
+
+    Native, as so many indexed stores cost more than shading.
+    """
+    texel_type = TEXELS[width]
+    snippet = f"""
     float* a = lanes.data + lane;
-    for (int row = 0; row < 8; ++row) a[64*row] = texel.c[row];
-    a[8*64] = (float)surface.position.c[0];
-    a[9*64] = (float)surface.position.c[1];
-    a[10*64] = (float)surface.position.c[2];
-    a[11*64] = surface.slope;
+    for (int row = 0; row < {width}; ++row) a[{LANES}*row] = texel.c[row];
+    a[{width}*{LANES}] = (float)surface.position.c[0];
+    a[{width + 1}*{LANES}] = (float)surface.position.c[1];
+    a[{width + 2}*{LANES}] = (float)surface.position.c[2];
+    a[{width + 3}*{LANES}] = surface.slope;
 """
 
+    @wp.func_native(snippet)
+    def put(lanes: wp.array(dtype=wp.float32), lane: wp.int32, texel: texel_type, surface: Surface): ...
 
-@wp.func_native(PUT)
-def put(lanes: wp.array(dtype=wp.float32), lane: wp.int32, texel: Texel, surface: Surface):
-    """Store a filtered texel and its surface in a lane; native, as twelve indexed stores cost more than shading."""
+    return put
 
 
 @wp.func
@@ -42,23 +52,27 @@ def radiance(lanes: wp.array(dtype=wp.float32), lane: wp.int32) -> wp.vec3:
 
 
 @functools.cache
-def plain_packet(brdf: wp.Function) -> wp.Function:
-    """Shading of a packet lane by lane: the readable truth that native forms are tested against."""
-    shade = shade_with(brdf)
+def plain_packet(reflect: wp.Function, width: int) -> wp.Function:
+    """Shading of a packet lane by lane: the readable truth that native forms are tested against.
+
+    `reflect(texel, light, view, diffuse)` works in the road's tangent frame on texels of `width` floats.
+    """
+    texel_type = TEXELS[width]
+    shade = shade_with(reflect, width)
 
     @wp.func(module="unique")
     def shade_packet(lanes: wp.array(dtype=wp.float32), sun: Sun):
         for lane in range(LANES):
-            texel = Texel()
-            for row in range(8):
+            texel = texel_type()
+            for row in range(width):
                 texel[row] = lanes[row * LANES + lane]
             surface = Surface()
             surface.position = wp.vec3d(
-                wp.float64(lanes[8 * LANES + lane]),
-                wp.float64(lanes[9 * LANES + lane]),
-                wp.float64(lanes[10 * LANES + lane]),
+                wp.float64(lanes[width * LANES + lane]),
+                wp.float64(lanes[(width + 1) * LANES + lane]),
+                wp.float64(lanes[(width + 2) * LANES + lane]),
             )
-            surface.slope = lanes[11 * LANES + lane]
+            surface.slope = lanes[(width + 3) * LANES + lane]
             colour = shade(texel, surface, sun)
             for row in range(3):
                 lanes[row * LANES + lane] = colour[row]

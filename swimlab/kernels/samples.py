@@ -5,22 +5,23 @@ import functools
 import warp as wp
 
 from swimlab.kernels.footprint import surface_at
-from swimlab.kernels.packet import LANES, ROWS, put, radiance
+from swimlab.kernels.packet import LANES, put_in, radiance, rows_of
 from swimlab.kernels.raster import sample_position
-from swimlab.kernels.structs import Chain, Grid, Planes, Sun, Texel
-
-LANE_FLOATS = LANES * ROWS
+from swimlab.kernels.structs import TEXELS, Chain, Grid, Planes, Sun
 
 
 @functools.cache
-def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averages: bool) -> wp.Kernel:
+def shade_samples(texture_filter: wp.Function, width: int, shade_packet: wp.Function, averages: bool) -> wp.Kernel:
     """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
-    `texture_filter(texels, chain, surface) -> Texel` is what sets one technique apart from another. A pixel is n x n
-    cells of the grid; row `first_row` of pixels is written to row `picture_row`. Misses count as 0, so that RGB is
-    premultiplied by alpha. If it `averages` (n > 1), `error` receives half the difference between the means over the
-    two colours of the cells' checkerboard.
+    `texture_filter(texels, chain, surface) -> texel` is what sets one technique apart from another; texels have `width`
+    floats. A pixel is n x n cells of the grid; row `first_row` of pixels is written to row `picture_row`. Misses count
+    as 0, so that RGB is premultiplied by alpha. If it `averages` (n > 1), `error` receives half the difference between
+    the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples shaded.
     """
+    texel_type = TEXELS[width]
+    put = put_in(width)
+    floats = LANES * rows_of(width)
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -30,22 +31,24 @@ def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averag
         grid: Grid,
         visible: wp.array2d(dtype=wp.int32),
         planes: wp.array(dtype=Planes),
-        texels: wp.array(dtype=Texel),
+        texels: wp.array(dtype=texel_type),
         chain: Chain,
         sun: Sun,
         picture: wp.array2d(dtype=wp.vec4),
         error: wp.array2d(dtype=wp.vec4),
+        shaded: wp.array(dtype=wp.int32),
     ):
         row = wp.tid()
         j = picture_row + row
-        width = grid.width / n
-        lanes = wp.zeros(shape=(LANE_FLOATS,), dtype=wp.float32)
+        columns = grid.width / n
+        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
         owner = wp.zeros(shape=(LANES,), dtype=wp.int32)
         odd = wp.zeros(shape=(LANES,), dtype=wp.int32)
         count = wp.int32(0)
+        hits = wp.int32(0)
         total = wp.float32(n * n)
         half = wp.float32((n * n) / 2)
-        for i in range(width):
+        for i in range(columns):
             picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
             if averages:
                 error[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
@@ -60,6 +63,7 @@ def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averag
                     owner[count] = pixel
                     odd[count] = (column + y - row * n) & 1
                     count += 1
+                    hits += 1
                 column += 1
                 if column == n:
                     column = wp.int32(0)
@@ -75,8 +79,9 @@ def shade_samples(texture_filter: wp.Function, shade_packet: wp.Function, averag
                         else:
                             picture[j, owner[lane]] = value
                     count = wp.int32(0)
+        shaded[j] = hits
         if averages:
-            for i in range(width):
+            for i in range(columns):
                 picture[j, i] = picture[j, i] / total
                 error[j, i] = error[j, i] * 0.5
 

@@ -3,12 +3,16 @@
 Texel centres lie at (i + .5) / n. Addresses repeat or clamp as the chain says.
 """
 
+import functools
 from typing import Any
 
 import warp as wp
 
 from swimlab.kernels.footprint import ellipse, isotropic_level
-from swimlab.kernels.structs import Chain, Surface
+from swimlab.kernels.structs import TEXELS, Chain, Surface
+
+LEAST_BLEND = 1e-6
+"""A coarser level that would weigh less than float rounding is not read."""
 
 wp.set_module_options({"enable_backward": False})
 
@@ -59,7 +63,7 @@ def trilinear(texels: wp.array(dtype=Any), chain: Chain, lod: wp.float32, uv: wp
     level = wp.int32(lod)
     blend = lod - wp.float32(level)
     fine = bilinear(texels, chain, level, uv)
-    if blend > 0.0:
+    if blend > LEAST_BLEND:
         fine = fine * (1.0 - blend) + bilinear(texels, chain, level + 1, uv) * blend
     return fine
 
@@ -70,9 +74,19 @@ def isotropic(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
     return trilinear(texels, chain, wp.float32(isotropic_level(surface, chain)), wp.vec2(surface.uv))
 
 
+@wp.struct
+class Probes:
+    """Places at which an anisotropic filter reads: `count` of them at level `lod`, from `first` on, `step` apart."""
+
+    count: wp.int32
+    lod: wp.float32
+    first: wp.vec2
+    step: wp.vec2
+
+
 @wp.func
-def anisotropic(texels: wp.array(dtype=Any), chain: Chain, surface: Surface, most: wp.int32):
-    """Up to `most` trilinear probes, evenly along the footprint's major axis.
+def probes_of(surface: Surface, chain: Chain, most: wp.int32) -> Probes:
+    """Up to `most` probes, evenly along the footprint's major axis.
 
     With singular values s1 >= s2 of the footprint in texels: N = 1 where s1 <= 1, else
     min(ceil(s1/s2 - 1e-6), most); lod = log2(s1/N); probe i at ((i + .5)/N - .5) s1 along the major axis. After
@@ -85,15 +99,46 @@ def anisotropic(texels: wp.array(dtype=Any), chain: Chain, surface: Surface, mos
         if shape.minor * wp.float64(most) > shape.major:
             probes = wp.int32(wp.ceil(shape.major / shape.minor - wp.float64(1.0e-6)))
         probes = wp.clamp(probes, 1, most)
-    lod = wp.float32(wp.log2(shape.major / wp.float64(probes)))
-    step = wp.vec2(
+    length = wp.vec2(
         wp.float32(shape.axis[0] * shape.major / wp.float64(chain.width)),
         wp.float32(shape.axis[1] * shape.major / wp.float64(chain.height)),
     )
-    centre = wp.vec2(surface.uv)
-    share = 1.0 / wp.float32(probes)
-    total = trilinear(texels, chain, lod, centre + step * (0.5 * share - 0.5)) * share
-    for i in range(1, probes):
-        place = (wp.float32(i) + 0.5) * share - 0.5
-        total += trilinear(texels, chain, lod, centre + step * place) * share
-    return total
+    found = Probes()
+    found.count = probes
+    found.lod = wp.float32(wp.log2(shape.major / wp.float64(probes)))
+    found.step = length / wp.float32(probes)
+    found.first = wp.vec2(surface.uv) - (length - found.step) * 0.5
+    return found
+
+
+@wp.func
+def anisotropic(texels: wp.array(dtype=Any), chain: Chain, surface: Surface, most: wp.int32):
+    """The mean of the trilinear samples at `probes_of` the footprint."""
+    probes = probes_of(surface, chain, most)
+    total = trilinear(texels, chain, probes.lod, probes.first)
+    for i in range(1, probes.count):
+        total += trilinear(texels, chain, probes.lod, probes.first + probes.step * wp.float32(i))
+    return total * (1.0 / wp.float32(probes.count))
+
+
+@functools.cache
+def anisotropic_to(most: int) -> wp.Function:
+    """The anisotropic filter with up to `most` probes, as a technique's texture filter."""
+
+    @wp.func(module="unique")
+    def stretched(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
+        return anisotropic(texels, chain, surface, most)
+
+    return stretched
+
+
+@functools.cache
+def resolved(texture_filter: wp.Function, resolve: wp.Function, width: int) -> wp.Function:
+    """A texture filter of texels of `width` floats, followed by `resolve(texel, chain)`."""
+    texel_type = TEXELS[width]
+
+    @wp.func(module="unique")
+    def filtered(texels: wp.array(dtype=texel_type), chain: Chain, surface: Surface) -> texel_type:
+        return resolve(texture_filter(texels, chain, surface), chain)
+
+    return filtered

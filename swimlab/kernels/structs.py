@@ -5,6 +5,15 @@ import warp as wp
 Texel = wp.types.vector(length=8, dtype=wp.float32)
 """One texel of the material: albedo r, g, b; normal x, y, z; Ks; power. Interleaved, so that a fetch is one read."""
 
+LeanTexel = wp.types.vector(length=9, dtype=wp.float32)
+"""One texel of LEAN's moments; what it holds is said in `swimlab/techniques/lean.py`."""
+
+TwistTexel = wp.types.vector(length=10, dtype=wp.float32)
+"""A Texel, then x and y of the tangent."""
+
+TEXELS = {8: Texel, 9: LeanTexel, 10: TwistTexel}
+"""Texels by their number of floats."""
+
 Edges = wp.types.matrix(shape=(3, 3), dtype=wp.float64)
 """The three edge functions of a triangle: row k dotted with (x, y, 1) is >= 0 inside edge k."""
 
@@ -32,6 +41,7 @@ class Chain:
     height: wp.int32
     levels: wp.int32
     clamps: wp.int32  # 1: addresses are clamped to the edge; 0: they repeat
+    centre: wp.vec2  # the slope that moments of slopes are taken about; 0 for other contents
     offsets: wp.array(dtype=wp.int32)
 
 

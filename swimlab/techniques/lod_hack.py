@@ -3,15 +3,16 @@
 The deck: "This will prevent aliasing, but isn't accurate".
 """
 
-from typing import Self
+from typing import Any, Self
 
 import warp as wp
 from pydantic import Field, model_validator
 
 from swimlab.kernels.footprint import isotropic_level
 from swimlab.kernels.sampling import anisotropic
-from swimlab.kernels.structs import Chain, Surface, Texel
-from swimlab.technique import Settings, Technique, pixel_shading
+from swimlab.kernels.structs import Chain, Surface
+from swimlab.settings import Settings
+from swimlab.technique import Technique, pixel_shading
 
 
 class LodHackSettings(Settings):
@@ -35,7 +36,7 @@ def texture_filter(settings: LodHackSettings) -> wp.Function:
     end = settings.end
 
     @wp.func(module="unique")
-    def flattened(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
+    def flattened(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
         texel = anisotropic(texels, chain, surface, most)
         keep = wp.clamp((end - wp.float32(isotropic_level(surface, chain))) / (end - start), 0.0, 1.0)
         texel[3] = texel[3] * keep

@@ -1,34 +1,34 @@
 """Anisotropic filtering of the inputs: what an engine does. Averaged normals lie flat, and a false mirror appears."""
 
-import warp as wp
+from dataclasses import replace
+
 from pydantic import Field
 
-from swimlab.kernels.sampling import anisotropic
-from swimlab.kernels.structs import Chain, Surface, Texel
-from swimlab.technique import Settings, Technique, pixel_shading
+from swimlab.kernels.sampling import anisotropic_to
+from swimlab.settings import Settings
+from swimlab.shot import Shot
+from swimlab.technique import Picture, Technique, pixel_shading
 
 
 class PixelAnisoSettings(Settings):
-    """How far a footprint may be stretched."""
+    """How far a footprint may be stretched, and what is too thin to be drawn."""
 
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
+    thinnest: float = Field(0.0, ge=0, le=64, description="px: wires' triangles of a lesser altitude are not drawn")
 
 
-def texture_filter(settings: PixelAnisoSettings) -> wp.Function:
-    """The filter with up to `anisotropy` trilinear probes."""
-    most = settings.anisotropy
+shade = pixel_shading(lambda settings: anisotropic_to(settings.anisotropy))
 
-    @wp.func(module="unique")
-    def stretched(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
-        return anisotropic(texels, chain, surface, most)
 
-    return stretched
+def render(shot: Shot, settings: PixelAnisoSettings) -> Picture:
+    """Filter and shade once a pixel; slivers under `thinnest` are left out, which keeps them from aliasing."""
+    return shade(replace(shot, thinnest=settings.thinnest) if settings.thinnest > 0 else shot, settings)
 
 
 TECHNIQUE = Technique(
     name="pixel-aniso",
     summary="anisotropically filtered inputs, shaded once a pixel",
     source="EXT_texture_filter_anisotropic; Heckbert 1989, Fundamentals of Texture Mapping",
-    render=pixel_shading(texture_filter),
+    render=render,
     settings=PixelAnisoSettings,
 )

@@ -1,14 +1,16 @@
 """Point sampling: shade the one texel under the pixel's centre. What lies between is missed: it sparkles."""
 
+from typing import Any
+
 import warp as wp
 
 from swimlab.kernels.sampling import point
-from swimlab.kernels.structs import Chain, Surface, Texel
+from swimlab.kernels.structs import Chain, Surface
 from swimlab.technique import Technique, pixel_shading
 
 
 @wp.func
-def nearest(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
+def nearest(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
     """The texel of level 0 that holds uv."""
     return point(texels, chain, surface.uv)
 

@@ -3,14 +3,17 @@
 from math import isqrt
 from typing import Any, Literal
 
+import numpy as np
 import warp as wp
 from pydantic import Field
 
 from swimlab.kernels.pixel_filter import FILTERS, gather_with
 from swimlab.launch import Strip
+from swimlab.settings import Settings
 from swimlab.shot import Shot
-from swimlab.technique import Picture, Settings, Technique, render_samples, shade_grid, to_image
+from swimlab.technique import Picture, Technique, render_samples, shading, to_image
 from swimlab.techniques.pixel_bilinear import finest
+from swimlab.triangles import visibility
 
 
 class ReferenceSettings(Settings):
@@ -40,18 +43,23 @@ def render_filtered(shot: Shot, name: str, n: int) -> Picture:
     picture = launcher.empty((view.height, view.width), wp.vec4)
     error = launcher.empty((view.height, view.width), wp.vec4)
     nothing = launcher.empty((0, 0), wp.vec4)
-    shade = shade_grid(shot, finest, grid, 1)
+    shaded = np.zeros(view.height, np.int64)
+    shade = shading(shot, finest, 1)
     triangles = shot.triangles
 
     def fill(strip: Strip) -> None:
         rows = (strip.rows + 2 * reach) * n
         cells = launcher.empty((rows, grid.width), wp.vec4)
-        shade(triangles, Strip(strip.first * n, rows), cells, nothing, row=0)
+        count = launcher.empty(rows, wp.int32)
+        band = Strip(strip.first * n, rows)
+        visible = visibility(launcher, triangles, grid, band)
+        shade(grid, triangles, visible, band, cells, nothing, count, row=0)
+        shaded[strip.first] = count.numpy().sum(dtype=np.int64)
         inputs = [strip.first, n, grid, cells, picture, error]
         launcher.launch(gather, (strip.rows, view.width), inputs)
 
     launcher.each(launcher.strips(view.height), fill)
-    return Picture(to_image(picture), to_image(error))
+    return Picture(to_image(picture), to_image(error), int(shaded.sum()))
 
 
 TECHNIQUE = Technique(

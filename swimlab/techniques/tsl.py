@@ -1,33 +1,46 @@
-"""Texture-space lighting, as the deck has it: light the texels, filter the light, paste it.
+"""Texture-space lighting: light the texels, filter the light, paste it.
 
-Each visible segment is drawn into a target of its own with atlas coordinates as positions; targets are cleared to
-alpha 0, reduced by a box to a mip chain, and read with full anisotropy; RGB is divided by alpha where alpha > 1e-5.
+As the deck has it, each visible segment is drawn into a target of its own with atlas coordinates as positions; targets
+are cleared to alpha 0, reduced by a box to a mip chain, and read with full anisotropy. The settings take the waste out:
+only texels that some footprint touches, at the level it needs, from moments of the maps where a texel is larger than
+theirs.
 """
 
-import functools
-from math import log2
-from queue import SimpleQueue
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
 
 import numpy as np
 import warp as wp
 from pydantic import Field, field_validator
 
-from swimlab.kernels.footprint import surface_at
-from swimlab.kernels.raster import sample_position
-from swimlab.kernels.sampling import anisotropic, trilinear
-from swimlab.kernels.structs import Chain, Grid, Planes, Surface, Texel
-from swimlab.launch import Strip
+from swimlab.inputs import BOX
+from swimlab.kernels.texture_space import NEVER
+from swimlab.settings import Settings
 from swimlab.shot import Shot
-from swimlab.technique import Picture, Settings, Technique, shade_grid, to_image
+from swimlab.target import Lighting, Need, Screen, everywhere, tile_level_of
+from swimlab.technique import Picture, Technique, to_image
+from swimlab.techniques import clean, lean, toksvig, vmf
 from swimlab.texture import MipChain
-from swimlab.triangles import in_texture, visibility
+
+INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
+"""What the maps are filtered by where a target's texel is larger than theirs."""
 
 
 class TslSettings(Settings):
-    """The size of a segment's target and how it is read."""
+    """Targets, what is shaded of them, and how they are read."""
 
     size: int = Field(1024, ge=16, le=8192, description="texels along each side of a segment's target, a power of two")
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis when pasting")
+    inputs: Literal["box", "toksvig", "vmf", "clean", "lean"] = Field(
+        "box", description="how the maps are filtered where a target's texel is larger than theirs"
+    )
+    texels: Literal["all", "visible", "needed"] = Field(
+        "all", description="shade all texels, those under footprints, or those at the level that footprints need"
+    )
+    sizes: Literal["fixed", "fitted"] = Field(
+        "fixed", description="all targets of `size`, or each the smallest that its segment's footprints do not magnify"
+    )
+    coarser: int = Field(0, ge=-4, le=4, description="levels by which fitted targets are smaller still")
 
     @field_validator("size")
     @classmethod
@@ -37,84 +50,49 @@ class TslSettings(Settings):
         return size
 
 
-@functools.cache
-def at_level(lod: float) -> wp.Function:
-    """The filter of the inputs: the map's chain at one level of detail."""
+class Lit(NamedTuple):
+    """A segment's lit target, the level each of its tiles was shaded at, and how many texels were shaded."""
 
-    @wp.func(module="unique")
-    def level(texels: wp.array(dtype=Texel), chain: Chain, surface: Surface) -> Texel:
-        return trilinear(texels, chain, lod, wp.vec2(surface.uv))
-
-    return level
+    segment: int
+    target: MipChain
+    need: Need
+    shaded: int
 
 
-@wp.kernel(enable_backward=False)
-def paste(
-    first_row: wp.int32,
-    grid: Grid,
-    most: wp.int32,
-    segment: wp.int32,
-    visible: wp.array2d(dtype=wp.int32),
-    segments: wp.array(dtype=wp.int32),
-    planes: wp.array(dtype=Planes),
-    target: wp.array(dtype=wp.vec4),
-    chain: Chain,
-    picture: wp.array2d(dtype=wp.vec4),
-):
-    """Fill the pixels that see one segment from its lit target."""
-    row, i = wp.tid()
-    j = first_row + row
-    triangle = visible[j, i]
-    if triangle >= 0 and segments[triangle] == segment:
-        surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
-        colour = anisotropic(target, chain, surface, most)
-        if colour[3] > 1.0e-5:
-            colour = colour / colour[3]
-        picture[j, i] = wp.vec4(colour[0], colour[1], colour[2], 1.0)
+def lit_targets(shot: Shot, settings: TslSettings, screen: Screen) -> Iterator[Lit]:
+    """Light the target of one visible segment after another; each is good until the next is asked for."""
+    lighting = Lighting(shot, INPUTS[settings.inputs])
+    for segment in screen.rows:
+        size = settings.size
+        need = everywhere(size, 0)
+        if settings.sizes == "fitted" or settings.texels != "all":
+            need = screen.need(segment, lighting.target(size).shape)
+        if settings.sizes == "fitted":
+            finest = int(need.min()) + settings.coarser
+            size = max(16, size >> max(finest, 0))
+            need = screen.need(segment, lighting.target(size).shape)
+        if settings.texels == "all":
+            need = everywhere(size, 0)
+        elif settings.texels == "visible":
+            need = np.where(need <= tile_level_of(size), 0, NEVER).astype(np.int32)
+        yield Lit(segment, *_lit(lighting, segment, size, need))
+
+
+def _lit(lighting: Lighting, segment: int, size: int, need: Need) -> tuple[MipChain, Need, int]:
+    target, shaded = lighting.light(segment, size, need)
+    return target, need, shaded
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:
-    """Light, reduce and paste one visible segment after another; one target is alive for each thread."""
-    launcher, size = shot.launcher, settings.size
-    grid = shot.grid()
-    visible = visibility(launcher, shot.triangles, grid, Strip(0, shot.view.height))
-    seen = visible.numpy()
-    first = int(shot.mesh.segments[0])
-    owner = np.where(seen >= 0, shot.mesh.segments[seen], first - 1)
-    segments = launcher.array(shot.mesh.segments - first, wp.int32)
-    picture = launcher.empty(seen.shape, wp.vec4)
+    """Light, reduce and paste one visible segment after another."""
+    screen = Screen.of(shot, settings.anisotropy)
+    picture = shot.launcher.empty((shot.view.height, shot.view.width), wp.vec4)
     picture.zero_()
-
-    target_grid = Grid()
-    target_grid.pitch = wp.vec2d(1.0 / size, 1.0 / size)
-    target_grid.width = target_grid.height = size
-    finest = max(shot.material.shape.width, shot.material.shape.height)
-    light = shade_grid(shot, at_level(log2(finest / size)), target_grid, 1)
-    no_error = launcher.empty((0, 0), wp.vec4)
-    idle: SimpleQueue[MipChain] = SimpleQueue()
-    for _ in range(launcher.threads):
-        idle.put(MipChain.allocate(launcher, width=size, height=size, dtype=wp.vec4, clamps=True))
-
-    def light_and_paste(segment: int) -> None:
-        target = idle.get()
-        try:
-            fill(segment, target)
-        finally:
-            idle.put(target)
-
-    def fill(segment: int, target: MipChain) -> None:
-        triangles = in_texture(launcher, shot.mesh, segment)
-        lit = target.texels[: size * size].reshape((size, size))
-        for strip in launcher.strips(size):
-            light(triangles, strip, lit, no_error)
-        target.reduce(launcher)
-        rows = np.flatnonzero(np.any(owner == segment, axis=1))
-        inputs = [int(rows[0]), grid, settings.anisotropy, segment - first, visible, segments]
-        inputs += [shot.triangles.planes, target.texels, target.shape, picture]
-        launcher.launch(paste, (int(rows[-1] - rows[0]) + 1, seen.shape[1]), inputs)
-
-    launcher.each(np.unique(owner[seen >= 0]).tolist(), light_and_paste)
-    return Picture(to_image(picture))
+    shaded = 0
+    for lit in lit_targets(shot, settings, screen):
+        screen.paste(lit.segment, lit.target, picture)
+        shaded += lit.shaded
+    return Picture(to_image(picture), shaded=shaded)
 
 
 TECHNIQUE = Technique(

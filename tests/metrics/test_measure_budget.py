@@ -49,7 +49,29 @@ def test_an_error_that_moves_against_the_surface_is_flicker(five, kind, toleranc
     reference, errors = five
     found = scores(reference + errors[kind], reference).scores
     assert found["budget.flicker"] > tolerance("moving") * found["budget.mse"]
-    assert found["residual.flicker"] == pytest.approx(found["budget.flicker"], rel=tolerance("residual is flicker"))
+    # What the correction of the variance finds beyond the whole error has no static part to come from.
+    most = FRAMES / (FRAMES - 1) * found["budget.mse"] * (1 + tolerance("residual is flicker"))
+    assert found["budget.flicker"] * (1 - tolerance("residual is flicker")) <= found["residual.flicker"] <= most
+
+
+@pytest.mark.parametrize("count", [2, 4, 12])
+def test_noise_is_all_flicker_however_short_the_clip(five, count, tolerance):
+    """A static error beside the noise keeps its size."""
+    reference, errors = five
+    glued, noise = errors["glued"][:count], errors["noise"][:count]
+    found = scores(reference[:count] + noise, reference[:count]).scores
+    assert found["budget.flicker"] > (1 - tolerance("chance of static noise")) * found["budget.mse"]
+    found = scores(reference[:count] + glued + noise, reference[:count]).scores
+    static = scores(reference[:count] + glued, reference[:count]).scores["budget.mse"]
+    assert found["budget.bias"] + found["budget.detail"] == pytest.approx(static, rel=tolerance("equal rms"))
+
+
+def test_the_static_part_of_sparse_blinking_is_not_below_nothing(five, tolerance):
+    """Signs that cancel have less than no static part by the correction: all is flicker, and adds up."""
+    reference, errors = five
+    found = scores((reference + errors["blinking"])[:4], reference[:4]).scores
+    assert found["budget.flicker"] == pytest.approx(found["budget.mse"], rel=tolerance("glued"))
+    assert found["budget.bias"] + found["budget.detail"] < tolerance("glued") * found["budget.mse"]
 
 
 def test_all_five_errors_are_of_one_size(five, tolerance):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metrics import METRICS, Clip, measure, measure_scales, resolved
+from metrics import METRICS, Clip, measure, measure_scales, quantisation, resolved, synthetic
 from metrics.ratios import Ratios, overlap
 from metrics.spectra import OCTAVES
 
@@ -20,8 +20,16 @@ def compare(error, **options):
     return measure(clip, Clip(nothing.__getitem__, len(error)), **options)
 
 
+def glued(seed, motion, count, height=130, width=160):
+    """A white picture without the highest frequencies, shifted by their phases: wraps round."""
+    kx, ky = np.fft.rfftfreq(width)[None, :], np.fft.fftfreq(height)[:, None]
+    spectrum = np.fft.rfft2(noise(seed, 1, height, width)[0], axes=(0, 1)) * (np.hypot(kx, ky) < 0.4)[..., None]
+    turns = [np.exp(-2j * np.pi * t * (kx * motion[0] + ky * motion[1]))[..., None] for t in range(count)]
+    return np.stack([np.fft.irfft2(spectrum * turn, (height, width), axes=(0, 1)) for turn in turns])
+
+
 def test_standard_errors_are_the_spread_of_many_clips(tolerance):
-    found = [compare(noise(seed), names=["budget"]) for seed in range(60)]
+    found = [compare(noise(seed) + glued(seed + 100, MOTION, 4), names=["budget"]) for seed in range(60)]
     for name in ("budget.mse", "budget.flicker", "budget.detail", "budget.bias"):
         spread = np.std([m.scores[name] for m in found], ddof=1)
         stated = np.mean([m.errors[name] for m in found])
@@ -40,10 +48,53 @@ def test_every_score_has_its_standard_error():
     assert all(np.isfinite(error) and error >= 0 for error in found.errors.values())
 
 
-def test_a_single_tile_has_no_known_error():
-    found = compare(noise(0, height=70, width=70), names=["budget.mse"])
+def plates(seed, count=8, width=200, height=130):
+    """A point-sampled zone plate, next to even, against a filtered one, both noisy; and the latter's noise."""
+    motion = (0.375, 0.0)
+    options = {"count": count, "size": (width, height), "motion": motion}
+    test, reference = (synthetic.zone_plate(0.7, 0.35, samples=n, **options) for n in (1, 3))
+    grain, half = noise(seed, count, height, width), 0.3 * noise(seed + 1000, count, height, width)
+    grain += glued(seed + 2000, motion, count, height, width)
+    depth = np.linspace(1, 30, height)[:, None] * np.ones(width)
+    return measure(
+        Clip(lambda t: test.frame(t) + grain[t], count, motion=motion, depth=lambda _: depth, pixels_per_degree=40),
+        Clip(lambda t: reference.frame(t) + half[t], count, motion=motion),
+        reference_error=lambda t: half[t],
+    )
+
+
+def test_every_standard_error_is_the_spread_of_noisy_zone_plates(monkeypatch, tolerance):
+    monkeypatch.setattr(synthetic, "CHIRP", 1e-6)
+    found = [plates(seed) for seed in range(20)]
+    names = set(found[0].scores)
+    assert {"moire.excess", "moire.peak_frequency", "moire.peak_strength", "plane.order1", "visible.flicker"} <= names
+    for name in names:
+        spread = np.std([m.scores[name] for m in found], ddof=1)
+        stated = np.mean([m.errors[name] for m in found])
+        if name in ("covered.fraction", "measured.fraction"):
+            assert stated == 0
+            assert len({m.scores[name] for m in found}) == 1
+        else:
+            assert abs(np.log2(stated / spread)) < tolerance("octave of a standard error"), name
+
+
+def test_a_peak_is_followed_where_a_part_of_the_picture_does_not_show_it(tolerance):
+    """A faint wave in one upright strip only: without that strip no peak stands out, yet its error is known."""
+    error = noise(7, count=2, width=320)
+    across = np.exp(-(((np.arange(320) - 60) / 30) ** 2)) * np.cos(2 * np.pi * 0.3125 * np.arange(320))
+    error += 1.2 * across.astype(np.float32)[:, None]
+    found = compare(error, names=["moire"])
+    assert found.scores["moire.peak_frequency"] == pytest.approx(0.3125, rel=tolerance("peak"))
+    assert 0 < found.errors["moire.peak_frequency"] < 1 / 32
+    assert found.errors["moire.peak_strength"] > 1
+
+
+def test_a_single_tile_has_no_known_error_and_says_so():
+    found = compare(noise(0, height=70, width=70), names=["budget", "residual"])
     assert found.scores
     assert not found.errors
+    assert any("no standard error of budget.bias" in note and "more" in note for note in found.notes)
+    assert not any("no standard error" in note for note in compare(noise(0), names=["budget"]).notes)
 
 
 def test_a_ratio_and_its_error_in_closed_form(tolerance):
@@ -121,3 +172,12 @@ def test_scores_over_scales_have_the_spread_of_many_pictures(tolerance):
         stated = np.mean([m.errors[name] for m in found])
         assert stated / spread == pytest.approx(1, abs=tolerance("spread of 60")), name
     assert set(found[0].errors) == set(found[0].scores)
+
+
+def test_the_quantisation_floor_is_a_mean_over_frames_with_the_error_of_a_sample(tolerance):
+    found = quantisation([1.0, 3.0, None], 8)
+    assert found.scores == {"quantisation.floor": 2.0}
+    error = np.sqrt(2 * (1 - 2 / 8) / 2)
+    assert found.errors["quantisation.floor"] == pytest.approx(error, rel=tolerance("closed form"))
+    assert quantisation([1.0, 3.0], 2).errors == {"quantisation.floor": 0}
+    assert "32-bit" in quantisation([None], 8).absent["quantisation.floor"]

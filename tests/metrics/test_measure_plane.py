@@ -36,6 +36,15 @@ def test_order_fractions_match_the_closed_form(samples, tolerance):
     assert sum(found.values()) == pytest.approx(1, abs=tolerance("single precision"))
 
 
+@pytest.mark.parametrize(("velocity", "frames"), [(0.37, 12), (0.3, 17), (-1.39, 12)])
+def test_the_closed_form_does_not_depend_on_how_long_a_clip_is(velocity, frames, tolerance):
+    """Lengths in which no order turns a whole number of times: orders beat against each other."""
+    energies = AMPLITUDE**2
+    found = measure(drifting(1, velocity, frames=frames), names=["plane"]).scores
+    assert found["plane.on"] == pytest.approx(energies[:3].sum() / energies.sum(), abs=tolerance("plane"))
+    assert sum(found.values()) == pytest.approx(1, abs=tolerance("rounding"))
+
+
 def test_orders_in_two_directions_are_told_apart(centres, tolerance):
     x, y = centres(140, 140)
     dx, dy = 23 / 32, 19 / 32
@@ -69,6 +78,32 @@ def test_noise_spreads_evenly_over_the_orders(tolerance):
     found = measure(Clip(frames.__getitem__, 32, motion=(23 / 32, 19 / 32)), names=["plane"])
     assert found.curves["plane.orders"]["energy"] == pytest.approx([1 / 32] * 25, rel=tolerance("noise"))
     assert found.scores["plane.off"] == pytest.approx(7 / 32, rel=tolerance("noise"))
+
+
+@pytest.mark.parametrize(("velocity", "frames", "orders"), [((0.61, 0.43), 40, 25), ((0.24, 0.0), 8, 5)])
+def test_noise_is_not_raised_where_orders_are_hard_to_tell_apart(velocity, frames, orders, tolerance):
+    raised = separate(velocity).raised(frames)
+    assert raised.max() > 1.5
+    found = []
+    for seed in range(4):
+        noise = np.random.default_rng(seed).standard_normal((frames, 110, 140, 3))
+        found.append(measure(Clip(noise.__getitem__, frames, motion=velocity), names=["plane"]).scores)
+    mean = {name: np.mean([scores[name] for scores in found]) for name in found[0]}
+    assert mean["plane.on"] == pytest.approx(1 / frames, rel=tolerance("noise"))
+    assert mean["plane.order1"] == pytest.approx((8 if orders == 25 else 2) / frames, rel=tolerance("noise"))
+    assert mean["plane.off"] == pytest.approx(1 - orders / frames, rel=tolerance("noise"))
+    assert sum(mean.values()) == pytest.approx(1, abs=tolerance("rounding"))
+
+
+def test_orders_that_cannot_be_told_apart_leave_the_others_right(tolerance):
+    """At .335 px a frame orders 1 and -2 are all but one in 16 frames; order 0 stands apart from them."""
+    energies = AMPLITUDE**2
+    found = measure(drifting(1, 0.335, frames=16), names=["plane"])
+    assert "too few frames" in found.absent["plane.order1"]
+    assert "too few frames" in found.absent["plane.order2"]
+    share = energies[:3].sum() / energies.sum()
+    assert found.scores["plane.on"] == pytest.approx(share, abs=tolerance("beating orders"))
+    assert sum(found.curves["plane.orders"]["energy"]) == pytest.approx(1, abs=tolerance("plane"))
 
 
 def test_a_mean_level_is_no_energy(tolerance):

@@ -40,7 +40,7 @@ def test_every_motion_describes_itself(kind):
 def test_a_file_of_motions_is_all_it_takes():
     files = {found.name for found in pkgutil.iter_modules(sequences.motions.__path__)}
     found = {importlib.import_module(motion.__module__).__name__.split(".")[-1] for motion in MOTIONS.values()}
-    assert found == files == {"shift", "scale", "drive"}
+    assert found == files == {"shift", "scale", "drive", "turn", "sun"}
 
 
 def test_two_motions_of_one_kind_are_refused():
@@ -108,3 +108,33 @@ def test_drive_moves_the_camera_alone(tolerance):
         assert view.camera.model_copy(update={"distance": 100.0}) == driven.camera
         assert (view.origin, view.pitch, view.width, view.height) == ((0.0, 0.0), (1.0, 1.0), 640, 360)
     assert driven.motion.uniform_velocity is None
+
+
+@settings(derandomize=True, deadline=None)
+@given(t=st.integers(-5, 1000), speed=st.floats(-90, 90), yaw=st.floats(-360, 360))
+def test_turn_turns_the_camera_alone(t, speed, yaw, tolerance):
+    turned = sequence({"kind": "turn", "speed": speed}, fps=50, camera={"distance": 7.0, "yaw": yaw})
+    view = turned.view(t)
+    assert view.camera.yaw == pytest.approx(yaw + speed * t / 50, rel=tolerance("closed form"))
+    assert view.camera.model_copy(update={"yaw": yaw}) == turned.camera
+    assert (view.origin, view.pitch, view.width, view.height) == ((0.0, 0.0), (1.0, 1.0), 640, 360)
+    assert turned.motion.uniform_velocity is None
+
+
+@settings(derandomize=True, deadline=None)
+@given(t=st.integers(-5, 1000), around=st.floats(-90, 90), up=st.floats(-90, 90))
+def test_the_sun_sweeps_over_a_picture_that_stands_still(t, around, up, tolerance):
+    motion = {"kind": "sun", "azimuth_speed": around, "elevation_speed": up}
+    swept = sequence(motion, fps=50, scene={"sun": {"azimuth": 10.0, "elevation": 20.0, "diffuse": 0.3}})
+    sun = swept.sun(t)
+    assert sun.azimuth == pytest.approx(10 + around * t / 50, rel=tolerance("closed form"))
+    assert sun.elevation == pytest.approx(20 + up * t / 50, rel=tolerance("closed form"))
+    assert sun.diffuse == 0.3
+    assert swept.view(t) == swept.view(0)
+    assert swept.motion.uniform_velocity == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("kind", sorted(set(MOTIONS) - {"sun"}))
+def test_the_sun_stands_still_under_any_other_motion(kind):
+    lit = sequence({"kind": kind}, scene={"sun": {"azimuth": 10.0}})
+    assert all(lit.sun(t) == lit.scene.sun for t in (-1, 0, 31))

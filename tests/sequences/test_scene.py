@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from sequences import Material, Road, Sun
+from sequences import Material, Road, Scene, Sun, Wires
 
 
 def test_a_flat_road_is_flat():
@@ -71,3 +71,21 @@ def test_the_direction_to_the_sun_is_unit(azimuth, elevation, tolerance):
 def test_an_unknown_made_map_is_an_error():
     with pytest.raises(ValidationError, match="made:asphalt"):
         Material(albedo="made:gravel")
+
+
+def test_wires_are_evenly_spaced_across(tolerance):
+    places = Wires(count=4).places(Road(width=8.0))
+    assert places == pytest.approx(np.array((-3.0, -1.0, 1.0, 3.0)), abs=tolerance("closed form"))
+
+
+def test_wires_that_overlap_are_an_error():
+    road = Road(width=2.0)
+    assert Scene(road=road, wires=Wires(count=20, width=0.1)).wires is not None
+    with pytest.raises(ValidationError, match=r"21 wires of 0\.1 m overlap on a road of 2\.0 m"):
+        Scene(road=road, wires=Wires(count=21, width=0.1))
+
+
+@pytest.mark.parametrize("tessellation", [(0, 1), (1, 257), (1, 1, 1), (2.0, 1), 4])
+def test_a_road_is_cut_into_whole_quads(tessellation):
+    with pytest.raises(ValidationError, match="tessellation"):
+        Road(tessellation=tessellation)

@@ -28,7 +28,12 @@ class Tsl(BaseModel):
     anisotropy: int = 16
 
 
+class Plain(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
 SETTINGS = {"tsl": Tsl, "lod-hack": Tsl}
+BRDFS = {"blinn-phong": Plain}
 
 
 def toml(table, path=()):
@@ -61,7 +66,14 @@ def problems(path, **known):
 
 
 roads = st.one_of(
-    st.fixed_dictionaries({}, optional={"width": st.floats(0.1, 100), "length": st.integers(1, 1000)}),
+    st.fixed_dictionaries(
+        {},
+        optional={
+            "width": st.floats(0.1, 100),
+            "length": st.integers(1, 1000),
+            "tessellation": st.tuples(st.integers(1, 256), st.integers(1, 256)).map(list),
+        },
+    ),
     st.fixed_dictionaries(
         {"profile": st.just("hills"), "amplitude": st.floats(0, 10), "wavelength": st.floats(1, 100)}
     ),
@@ -71,7 +83,8 @@ motions = st.one_of(
         {"kind": st.just("shift"), "velocity": st.tuples(st.floats(-9, 9), st.floats(-9, 9)).map(list)}
     ),
     st.fixed_dictionaries({"kind": st.just("scale")}, optional={"from": st.floats(0.1, 16), "to": st.floats(0.1, 16)}),
-    st.fixed_dictionaries({"kind": st.just("drive")}, optional={"speed": st.floats(-50, 50)}),
+    st.fixed_dictionaries({"kind": st.sampled_from(["drive", "turn"])}, optional={"speed": st.floats(-50, 50)}),
+    st.fixed_dictionaries({"kind": st.just("sun")}, optional={"azimuth_speed": st.floats(-50, 50)}),
 )
 files = st.fixed_dictionaries(
     {"version": st.just(1), "name": st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,20}", fullmatch=True)},
@@ -81,7 +94,12 @@ files = st.fixed_dictionaries(
         "size": st.tuples(st.integers(8, 16384), st.integers(8, 16384)).map(list),
         "seed": st.integers(0, 2**32 - 1),
         "scene": st.fixed_dictionaries(
-            {}, optional={"road": roads, "sun": st.fixed_dictionaries({"elevation": st.floats(-90, 90)})}
+            {},
+            optional={
+                "road": roads,
+                "sun": st.fixed_dictionaries({"elevation": st.floats(-90, 90)}),
+                "wires": st.fixed_dictionaries({"count": st.integers(1, 9)}, optional={"height": st.floats(0.01, 9)}),
+            },
         ),
         "camera": st.fixed_dictionaries({}, optional={"fov": st.floats(1, 170), "yaw": st.integers(-360, 360)}),
         "motion": motions,
@@ -117,7 +135,7 @@ def test_two_keys_are_enough_and_the_rest_is_the_road(write):
 
 @pytest.mark.parametrize("name", library())
 def test_the_library_loads_under_its_own_names(name):
-    sequence = load(name, brdfs=["blinn-phong"], technique_settings=SETTINGS)
+    sequence = load(name, brdfs=BRDFS, technique_settings=SETTINGS)
     assert sequence.name == name
     assert sequence.size == (640, 360)
     assert sequence.folder == library()[name].parent.resolve()
@@ -125,8 +143,9 @@ def test_the_library_loads_under_its_own_names(name):
 
 def test_the_library_covers_every_motion():
     assert {load(name).motion.kind for name in library()} == set(MOTIONS)
-    assert list(library()) == ["road-drive", "road-scale", "road-shift"]
-    assert (load("road-scale").frames, load("road-shift").frames, load("road-drive").frames) == (9, 32, 16)
+    frames = {name: load(name).frames for name in library()}
+    sixteen = dict.fromkeys(("road-drive", "road-hills", "road-sliver", "road-sun", "road-turn"), 16)
+    assert frames == {"road-scale": 9, "road-shift": 32} | sixteen
 
 
 def test_the_shift_of_the_library_keeps_alias_orders_apart():
@@ -163,7 +182,7 @@ def test_every_problem_is_told_at_once(write):
         [techniques.lod-hack]
         anisotrpy = 4
     """)
-    found = problems(path, technique_settings=SETTINGS, brdfs=["blinn-phong"])
+    found = problems(path, technique_settings=SETTINGS, brdfs=BRDFS)
     keys = [problem.split(":")[0] for problem in found]
     assert sorted(keys) == sorted(
         [
@@ -235,7 +254,9 @@ def test_every_problem_is_told_at_once(write):
     ],
 )
 def test_a_bad_value_is_named_with_its_key(write, text, key, says):
-    (problem,) = problems(write(f'version = 1\nname = "a"\n{text}\n'), technique_settings=SETTINGS, brdfs=["b"])[:1]
+    (problem,) = problems(write(f'version = 1\nname = "a"\n{text}\n'), technique_settings=SETTINGS, brdfs={"b": Plain})[
+        :1
+    ]
     assert problem.startswith(f"{key}: ")
     assert says in problem
 

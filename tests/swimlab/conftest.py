@@ -8,13 +8,13 @@ import pytest
 
 from sequences import Sequence
 from sequences.asphalt import make
-from swimlab.catalogue import brdfs, techniques
+from swimlab.catalogue import model_of, techniques
 from swimlab.cli.main import main
+from swimlab.inputs import Maps
 from swimlab.launch import Launcher
-from swimlab.material import pack
+from swimlab.material import Material
 from swimlab.shot import Shot
 from swimlab.technique import Picture
-from swimlab.texture import MipChain
 
 
 @pytest.fixture(scope="session")
@@ -30,22 +30,24 @@ def maps() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def pack_maps(launcher: Launcher) -> Callable[[np.ndarray], MipChain]:
-    """Maps [h, w, 8] as a chain on the device."""
-    return lambda maps: pack(launcher, maps[..., :3], maps[..., 3:6], maps[..., 6:])
+def pack_maps(launcher: Launcher) -> Callable[[np.ndarray], Material]:
+    """Maps [h, w, 8], or [h, w, 10] with a twist, as a material."""
+    return lambda maps: Material(
+        launcher, Maps(maps[..., :3], maps[..., 3:6], maps[..., 6:8], maps[..., 8:] if maps.shape[2] > 8 else None)
+    )
 
 
 @pytest.fixture(scope="session")
-def material(pack_maps, maps) -> MipChain:
+def material(pack_maps, maps) -> Material:
     return pack_maps(maps)
 
 
 @pytest.fixture(scope="session")
-def shoot(launcher: Launcher, material: MipChain) -> Callable[..., Shot]:
-    """A shot of a frame; the small asphalt unless another chain is given."""
+def shoot(launcher: Launcher, material: Material) -> Callable[..., Shot]:
+    """A shot of a frame; the small asphalt unless another material is given."""
 
-    def shoot(sequence: Sequence, frame: int = 0, chain: MipChain = material, samples: int = 16) -> Shot:
-        return Shot(sequence, frame, chain, brdfs()["blinn-phong"], samples, launcher)
+    def shoot(sequence: Sequence, frame: int = 0, chain: Material = material, samples: int = 16) -> Shot:
+        return Shot(sequence, frame, chain, model_of(sequence), samples, launcher)
 
     return shoot
 

@@ -4,7 +4,8 @@
 def test_measures_are_timed_by_family(swimlab):
     code, out, err = swimlab("bench", "measures", "--size", "96x80", "--frames", "4", "-q")
     assert (code, err) == (0, "")
-    for row in ("budget", "residual", "plane", "budget, residual, plane", "all"):
+    assert "The limit is the transform" in " ".join(out.split())
+    for row in ("transforms alone", "budget", "residual", "plane", "budget, residual, plane", "all"):
         assert any(line.strip().startswith(row) for line in out.splitlines())
 
 

@@ -20,16 +20,17 @@ wp.config.mode = "debug"
 
 from sequences import load
 from sequences.asphalt import make
-from swimlab.catalogue import brdfs, techniques
+from swimlab.catalogue import model_of, techniques
 from swimlab.geometry import describe_geometry
 from swimlab.launch import Launcher
-from swimlab.material import pack
+from swimlab.inputs import Maps
+from swimlab.material import Material
 from swimlab.shot import Shot
 
 sequence = load("road-drive").with_changes(size=(16, 9))
 pictures = {}
 with Launcher(threads=2) as launcher:
-    shot = Shot(sequence, 2, pack(launcher, *make(0, 64)), brdfs()["blinn-phong"], 16, launcher)
+    shot = Shot(sequence, 2, Material(launcher, Maps(*make(0, 64))), model_of(sequence), 16, launcher)
     for name, technique in techniques().items():
         given = {"size": 32} if name == "tsl" else {}
         pictures[name] = technique.render(shot, technique.settings(**given)).rgba

@@ -13,10 +13,10 @@ VELOCITY = (-1.25, 0.625)
 MOTION = f"--motion={VELOCITY[0]},{VELOCITY[1]}"
 
 
-def waves(t, seed, velocity=VELOCITY):
+def waves(t, seed, velocity=VELOCITY, size=(HEIGHT, WIDTH)):
     """[H, W, 3]: a band-limited picture that has moved for t frames, rms 1."""
     random = np.random.default_rng(seed)
-    y, x = np.indices((HEIGHT, WIDTH)) + 0.5
+    y, x = np.indices(size) + 0.5
     x, y = x - t * velocity[0], y - t * velocity[1]
     kx, ky = random.uniform(-0.2, 0.2, (2, 16))
     angle = 2 * np.pi * (x[..., None] * kx + y[..., None] * ky) + random.uniform(0, 6, 16)
@@ -62,6 +62,47 @@ def test_a_glued_error_has_no_flicker_and_a_blinking_one_has_all(measure, clips,
         assert share > 1 - tolerance("glued") if flickers else share < tolerance("glued")
         parts = scores["budget.bias"] + scores["budget.detail"] + scores["budget.flicker"]
         assert parts == pytest.approx(scores["budget.mse"], rel=tolerance("budget"))
+
+
+@pytest.mark.parametrize("kind", ["screen-fixed", "swimming", "noise"])
+def test_what_moves_against_the_surface_is_flicker(swimlab, tmp_path, kind, tolerance):
+    random = np.random.default_rng(4)
+    size = (128, 160)
+    for t in range(24):
+        reference = 3 + waves(t, 1, size=size)
+        error = {
+            "screen-fixed": lambda: waves(0, 2, size=size),
+            "swimming": lambda t=t: waves(t, 2, (0.75, -1.5), size=size),
+            "noise": lambda: random.standard_normal((*size, 3)),
+        }[kind]()
+        for name, pixels in (("ref", reference), ("test", reference + 0.1 * error)):
+            path = tmp_path / name / f"{t:04d}.exr"
+            write_channels(path, pixels.astype(np.float32), ("R", "G", "B"), half=False, metadata={})
+    code, out, err = swimlab("measure", "--test", "test", "--reference", "ref", MOTION, "--json", "-q")
+    assert code == 0, err
+    scores = json.loads(out)["sequences"][0]["scores"]
+    assert scores["budget.flicker"] > tolerance("moving") * scores["budget.mse"]
+
+
+def test_what_moves_otherwise_is_left_out_by_its_alpha(swimlab, clips, tmp_path, tolerance):
+    """An opaque patch crosses the picture; behind it, and beside it, a glued error stays one."""
+    for t in range(COUNT):
+        patch = np.zeros((HEIGHT, WIDTH), dtype=bool)
+        patch[40:52, 8 + 3 * t : 24 + 3 * t] = True
+        pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
+        pixels[..., :3] = 3 + waves(t, 1) + 0.1 * waves(t, 2)
+        pixels[patch] = [9, (-1) ** t, 9, 0]
+        write_channels(tmp_path / "p" / f"{t:04d}.exr", pixels, tuple("RGBA"), half=False, metadata={})
+    words = ("measure", "--test", "p", "--reference", clips / "ref", MOTION, "--json", "-q")
+    found = {}
+    for alpha in ("ignore", "mask"):
+        code, out, err = swimlab(*words, "--alpha", alpha)
+        assert code == 0, err
+        found[alpha] = json.loads(out)["sequences"][0]["scores"]
+    assert found["ignore"]["budget.flicker"] > found["mask"]["budget.mse"]
+    assert found["mask"]["budget.flicker"] < tolerance("glued") * found["mask"]["budget.mse"]
+    assert found["mask"]["budget.mse"] == pytest.approx(0.01, rel=tolerance("part of a picture"))
+    assert 0 < found["mask"]["measured.fraction"] < found["ignore"]["measured.fraction"]
 
 
 def test_scores_have_the_form_of_a_run_and_say_how_they_were_made(measure, clips):

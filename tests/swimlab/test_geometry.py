@@ -18,6 +18,11 @@ VIEWS = {
         load("road-drive").with_changes(size=(128, 72), camera={"yaw": 30.0, "lateral": -1.5, "distance": 77.7}),
         1,
     ),
+    "turn": (load("road-turn").with_changes(size=(128, 72)), 4),
+    "tessellated": (
+        load("road-turn").with_changes(size=(128, 72), scene={"road": {"tessellation": (3, 5)}}, camera={"yaw": 12.0}),
+        7,
+    ),
 }
 
 

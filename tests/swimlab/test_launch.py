@@ -32,7 +32,7 @@ def rendered(shoot, launchers, name, frame=1):
     """Every array of a technique's picture (or of the geometry), once for each launcher."""
     base = shoot(TALL, frame)
     for launcher in launchers:
-        shot = Shot(base.sequence, frame, base.material, base.brdf, base.samples, launcher)
+        shot = Shot(base.sequence, frame, base.material, base.model, base.samples, launcher)
         if name == "geometry":
             geometry = describe_geometry(shot)
             yield [geometry.coverage, geometry.motion, geometry.depth]
@@ -40,7 +40,7 @@ def rendered(shoot, launchers, name, frame=1):
         technique = techniques()[name]
         given = {"size": 64} if name == "tsl" else {}
         picture = technique.render(shot, technique.settings(**given))
-        yield [each for each in picture if each is not None]
+        yield [np.asarray(each) for each in picture if each is not None]
 
 
 @pytest.mark.parametrize("name", [*techniques(), "geometry"])

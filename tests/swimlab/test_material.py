@@ -8,7 +8,8 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 
 from sequences import Sequence
-from swimlab.material import MapError, load_material, pack, read_maps
+from swimlab.inputs import BOX, Maps
+from swimlab.material import MapError, Material, load_material, read_maps
 
 SIZE = (8, 16)
 COLOUR_SPACES = {"linear": "lin_rec709_scene", "sRGB": "srgb_rec709_scene"}
@@ -73,7 +74,7 @@ def test_float_maps_are_taken_as_they_are(sequence_of, tmp_path):
     given = {"albedo": random.random((*SIZE, 3)), "normal": normal, "gloss": random.uniform(0, 200, (*SIZE, 2))}
     for key, pixels in given.items():
         write(tmp_path / f"{key}.exr", pixels.astype(np.float32))
-    for key, found in zip(given, read_maps(sequence), strict=True):
+    for key, found in zip(given, read_maps(sequence)[:3], strict=True):
         assert np.array_equal(found, given[key].astype(np.float32)), key
 
 
@@ -84,14 +85,14 @@ def srgb_to_linear(c):
 def test_8_bit_png_albedo_is_srgb(sequence_of, tmp_path, tolerance):
     stored = codes(3, np.uint8)
     write_png(tmp_path / "a.png", stored)
-    albedo, *_ = read_maps(sequence_of(albedo="a.png"))
+    albedo = read_maps(sequence_of(albedo="a.png")).albedo
     assert np.abs(albedo - srgb_to_linear(stored / 255)).max() <= tolerance("decoded 8 bit")
 
 
 def test_16_bit_tiff_albedo_is_linear(sequence_of, tmp_path, tolerance):
     stored = codes(3, np.uint16)
     write(tmp_path / "a.tif", stored, oiio.UINT16)
-    albedo, *_ = read_maps(sequence_of(albedo="a.tif"))
+    albedo = read_maps(sequence_of(albedo="a.tif")).albedo
     assert np.abs(albedo - stored / 65535).max() <= tolerance("decoded 8 bit")
 
 
@@ -99,7 +100,7 @@ def test_16_bit_tiff_albedo_is_linear(sequence_of, tmp_path, tolerance):
 def test_the_files_own_colour_space_comes_first(sequence_of, tmp_path, tolerance, space):
     stored = np.random.default_rng(2).random((*SIZE, 3)).astype(np.float32)
     write(tmp_path / "a.exr", stored, oiio__ColorSpace=COLOUR_SPACES[space])
-    albedo, *_ = read_maps(sequence_of(albedo="a.exr"))
+    albedo = read_maps(sequence_of(albedo="a.exr")).albedo
     expected = srgb_to_linear(stored) if space == "sRGB" else stored
     assert np.abs(albedo - expected).max() <= tolerance("decoded 8 bit")
 
@@ -111,7 +112,7 @@ def test_integer_normals_are_2c_minus_1(sequence_of, tmp_path, tolerance, suffix
         write_png(tmp_path / "n.png", stored)
     else:
         write(tmp_path / "n.tif", stored, oiio.UINT16)
-    _, normal, _ = read_maps(sequence_of(normal=f"n.{suffix}"))
+    normal = read_maps(sequence_of(normal=f"n.{suffix}")).normal
     assert np.abs(normal - (2 * (stored / np.iinfo(code).max) - 1)).max() <= tolerance("decoded 8 bit")
 
 
@@ -123,7 +124,7 @@ def test_integer_gloss_holds_the_logarithm_of_the_power(sequence_of, tmp_path, t
         write_png(tmp_path / "g.png", stored)
     else:
         write(tmp_path / "g.tif", stored, oiio.UINT16)
-    *_, gloss = read_maps(sequence_of(gloss=f"g.{suffix}"))
+    gloss = read_maps(sequence_of(gloss=f"g.{suffix}")).gloss
     scaled = stored / np.iinfo(code).max
     assert np.abs(gloss[..., 0] - scaled[..., 0]).max() <= tolerance("decoded 8 bit")
     assert np.abs(gloss[..., 1] / 2 ** (1 + 12 * scaled[..., 1]) - 1).max() <= tolerance("power of two in float32")
@@ -132,14 +133,14 @@ def test_integer_gloss_holds_the_logarithm_of_the_power(sequence_of, tmp_path, t
 def test_spare_channels_are_left_out(sequence_of, tmp_path, tolerance):
     stored = codes(4, np.uint8)
     write_png(tmp_path / "a.png", stored)
-    albedo, *_ = read_maps(sequence_of(albedo="a.png"))
+    albedo = read_maps(sequence_of(albedo="a.png")).albedo
     assert albedo.shape == (*SIZE, 3)
     assert np.abs(albedo - srgb_to_linear(stored[..., :3] / 255)).max() <= tolerance("decoded 8 bit")
 
 
 def test_maps_are_interleaved_in_one_chain(sequence_of, tmp_path, launcher):
     sequence = sequence_of()
-    chain = load_material(sequence, launcher)
+    chain = load_material(sequence, launcher).chain(BOX)
     assert (chain.shape.width, chain.shape.height, chain.shape.levels) == (16, 8, 5)
     assert not chain.shape.clamps
     exact = np.float32([0.2, 0.3, 0.4, 0, 0, 1, 0.1, 30])
@@ -149,14 +150,16 @@ def test_maps_are_interleaved_in_one_chain(sequence_of, tmp_path, launcher):
 def test_averaged_normals_keep_their_length(launcher, tolerance):
     """Their length says how much they differ."""
     normal = np.array([[[0.6, 0, 0.8], [-0.6, 0, 0.8]], [[0, 0.6, 0.8], [0, -0.6, 0.8]]], np.float32)
-    chain = pack(launcher, np.zeros((2, 2, 3), np.float32), normal, np.zeros((2, 2, 2), np.float32))
+    maps = Maps(np.zeros((2, 2, 3), np.float32), normal, np.zeros((2, 2, 2), np.float32))
+    chain = Material(launcher, maps).chain(BOX)
     assert chain.texels.numpy()[-1, 3:6] == pytest.approx([0, 0, 0.8], abs=tolerance("mip in float32"))
 
 
 def test_rows_are_v_and_columns_are_u(launcher):
     albedo = np.zeros((2, 4, 3), np.float32)
     albedo[1, 2] = 1
-    chain = pack(launcher, albedo, np.ones((2, 4, 3), np.float32), np.zeros((2, 4, 2), np.float32))
+    maps = Maps(albedo, np.ones((2, 4, 3), np.float32), np.zeros((2, 4, 2), np.float32))
+    chain = Material(launcher, maps).chain(BOX)
     assert chain.texels.numpy()[:8, 0].tolist() == [0, 0, 0, 0, 0, 0, 1, 0]
 
 

@@ -37,6 +37,7 @@ def drawn(launcher, points, triangles, *, grid=None, strip=None):
         slope=np.zeros(len(points)),
         triangles=triangles,
         segments=np.zeros(len(triangles), np.int64),
+        loose=np.zeros(len(triangles), bool),
     )
     ready = set_up(launcher, points, mesh, np.arange(len(triangles)))
     grid = grid or grid_of()
@@ -227,8 +228,9 @@ def test_a_shift_by_whole_pixels_gives_the_same_bits(shoot, render, technique):
 def places(launcher, grid):
     """Where the samples of a grid lie: what a surface says whose uv are the pixels themselves."""
     corners = np.array([(-64.0, -64.0, 1.0), (192.0, -64.0, 1.0), (-64.0, 192.0, 1.0)])
-    triangle = Mesh(corners, corners[:, :2], np.zeros(3), np.array([[0, 1, 2]], np.int32), np.zeros(1, np.int64))
-    return see(launcher, set_up(launcher, corners, triangle, np.array([0])), grid).uv
+    only = np.zeros(1, np.int64)
+    triangle = Mesh(corners, corners[:, :2], np.zeros(3), np.array([[0, 1, 2]], np.int32), only, loose=only > 0)
+    return see(launcher, set_up(launcher, corners, triangle, only), grid).uv
 
 
 def test_the_jitter_stays_in_its_cell_and_is_fixed_by_seed_and_pixel(launcher, tolerance):

@@ -78,7 +78,7 @@ def test_a_run_holds_what_the_contract_says(whole, sequence):
     assert record["techniques"] == list(NAMES)
     assert record["frames"] == [0, 1, 2]
     assert record["sequence"]["name"] == "tiny"
-    assert record["sequence"]["techniques"]["tsl"] == {"size": 1024, "anisotropy": 16}
+    assert record["sequence"]["techniques"]["pixel-aniso"] == {"anisotropy": 16, "thinnest": 0.0}
     assert record["settings"] == {"samples": 4, "half": True}
     assert record["hash"] == plan_of(sequence).digest()
     assert record["uniform_velocity"] == [0.71875, 0.59375]

@@ -1,0 +1,88 @@
+"""Inputs of shading: how the maps go into a mip chain, and what a filtered texel stands for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+Map = NDArray[np.float32]
+
+
+class Maps(NamedTuple):
+    """The material's maps, all of one size.
+
+    albedo: [h, w, 3], linear. normal: [h, w, 3], tangent space. gloss: [h, w, 2], Ks and power.
+    twist: [h, w, 2], x and y of the tangent; None without one.
+    """
+
+    albedo: Map
+    normal: Map
+    gloss: Map
+    twist: Map | None = None
+
+
+class Level(NamedTuple):
+    """Level 0 of a chain: texels [h, w, n], and the slope that moments in them are taken about."""
+
+    texels: Map
+    centre: tuple[float, float] = (0.0, 0.0)
+
+
+def boxed(maps: Maps) -> Level:
+    """Values as they are: albedo, normal, Ks, power."""
+    return Level(np.concatenate([maps.albedo, maps.normal, maps.gloss], axis=2, dtype=np.float32))
+
+
+LEAST_POWER = 1e-4
+"""Powers below this count as this where 1/power is filtered, which 0 does not have; its highlight is as black."""
+
+STEEPEST = 8.0
+"""Slopes N.xy / N.z of normals that lie flatter than 83 degrees from upright are cut to this."""
+
+
+def variances(maps: Maps) -> Level:
+    """As `boxed`, with the variance of slopes 1/power in the power's place: that is what adds up."""
+    packed = boxed(maps).texels.copy()
+    packed[..., 7] = 1 / np.maximum(packed[..., 7], LEAST_POWER)
+    return Level(packed)
+
+
+def slopes(maps: Maps) -> tuple[NDArray[np.float64], tuple[float, float], NDArray[np.float64]]:
+    """Slopes b = N.xy / N.z [h, w, 2] less their mean over the map, that mean, and 1/power [h, w, 1].
+
+    About their mean, for M - b b^T of far slopes would cancel to nothing in float32.
+    """
+    normal = maps.normal.astype(np.float64)
+    b = normal[..., :2] / np.maximum(normal[..., 2:], 1e-6)
+    b *= np.minimum(1, STEEPEST / np.maximum(np.linalg.norm(b, axis=2, keepdims=True), STEEPEST))
+    mean = b.mean(axis=(0, 1)).astype(np.float32).astype(np.float64)
+    return (
+        b - mean,
+        (float(mean[0]), float(mean[1])),
+        1 / np.maximum(maps.gloss[..., 1:].astype(np.float64), LEAST_POWER),
+    )
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """How maps are filtered.
+
+    pack: the texels of level 0; every coarser one is the mean of four. The twist, where there is one, is appended.
+    resolve: (texel, chain) -> texel, from filtered moments to what is shaded; None where they are the same.
+    reflect: (texel, light, view, diffuse) -> radiance in the road's tangent frame, a lobe of its own in place of the
+        scene's reflectance model, for models whose slopes are Gaussian; other models and maps with twist use
+        `otherwise`.
+    """
+
+    name: str
+    pack: Callable[[Maps], Level] = field(default=boxed)
+    resolve: wp.Function | None = None
+    reflect: wp.Function | None = None
+    otherwise: "Inputs | None" = None
+
+
+BOX = Inputs("box")
+"""Means of the values themselves: what an engine's mip chain holds. Normals are averaged unnormalised."""

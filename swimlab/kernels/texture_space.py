@@ -1,0 +1,141 @@
+"""What texture-space lighting adds to shading: which texels will be read, reducing only those, and pasting them.
+
+A target is cut into square tiles, each one texel of level `tile_level`; `need[tile]` is the finest level that is read
+anywhere in the tile, and NEVER where none is. Tiles are shaded at that level; coarser ones follow by reduction.
+"""
+
+from typing import Any
+
+import warp as wp
+
+from swimlab.kernels.footprint import surface_at
+from swimlab.kernels.raster import sample_position
+from swimlab.kernels.sampling import LEAST_BLEND, anisotropic, fetch, isotropic, probes_of
+from swimlab.kernels.structs import Chain, Grid, Planes, Surface
+
+NEVER = 127
+"""The level of a tile that nothing reads."""
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.func
+def at_own_level(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
+    """The maps at the level of the target's texels."""
+    return isotropic(texels, chain, surface)
+
+
+@wp.func
+def normal_as_colour(texel: Any, light: wp.vec3, view: wp.vec3, diffuse: wp.float32) -> wp.vec3:
+    """In place of radiance: (N + 1) / 2, squared, so that it is what it is once encoded by the square root."""
+    normal = (wp.normalize(wp.vec3(texel[3], texel[4], texel[5])) + wp.vec3(1.0, 1.0, 1.0)) * 0.5
+    return wp.cw_mul(normal, normal)
+
+
+@wp.func
+def ask(need: wp.array2d(dtype=wp.int32), chain: Chain, tile_level: wp.int32, level: wp.int32, uv: wp.vec2):
+    """Note that a bilinear sample reads `level` at uv."""
+    width = wp.max(chain.width >> level, 1)
+    height = wp.max(chain.height >> level, 1)
+    left = wp.int32(wp.floor(uv[0] * wp.float32(width) - 0.5))
+    top = wp.int32(wp.floor(uv[1] * wp.float32(height) - 0.5))
+    first_i = (wp.clamp(left, 0, width - 1) << level) >> tile_level
+    first_j = (wp.clamp(top, 0, height - 1) << level) >> tile_level
+    last_i = (((wp.clamp(left + 1, 0, width - 1) + 1) << level) - 1) >> tile_level
+    last_j = (((wp.clamp(top + 1, 0, height - 1) + 1) << level) - 1) >> tile_level
+    wanted = wp.min(level, tile_level)
+    for j in range(first_j, last_j + 1):
+        for i in range(first_i, last_i + 1):
+            if need[j, i] > wanted:
+                need[j, i] = wanted
+
+
+@wp.kernel
+def mark(
+    first_row: wp.int32,
+    rows: wp.int32,
+    grid: Grid,
+    most: wp.int32,
+    segment: wp.int32,
+    visible: wp.array2d(dtype=wp.int32),
+    segments: wp.array(dtype=wp.int32),
+    planes: wp.array(dtype=Planes),
+    chain: Chain,
+    tile_level: wp.int32,
+    need: wp.array2d(dtype=wp.int32),
+):
+    """Note every texel that pasting one segment onto some rows will read. One thread; callers merge by the least."""
+    for j in range(first_row, first_row + rows):
+        for i in range(visible.shape[1]):
+            triangle = visible[j, i]
+            if triangle >= 0 and segments[triangle] == segment:
+                surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
+                probes = probes_of(surface, chain, most)
+                lod = wp.clamp(probes.lod, 0.0, wp.float32(chain.levels - 1))
+                level = wp.int32(lod)
+                for k in range(probes.count):
+                    uv = probes.first + probes.step * wp.float32(k)
+                    ask(need, chain, tile_level, level, uv)
+                    if lod - wp.float32(level) > LEAST_BLEND:
+                        ask(need, chain, tile_level, level + 1, uv)
+
+
+@wp.kernel
+def keep_needed(
+    first_row: wp.int32,
+    first_column: wp.int32,
+    level: wp.int32,
+    tile_level: wp.int32,
+    need: wp.array2d(dtype=wp.int32),
+    visible: wp.array2d(dtype=wp.int32),
+):
+    """Forget the texels of a band of `level` whose tile is not to be shaded at that level."""
+    row, i = wp.tid()
+    tile_j = ((first_row + row) << level) >> tile_level
+    tile_i = ((first_column + i) << level) >> tile_level
+    if need[tile_j, tile_i] != level:
+        visible[row, i] = -1
+
+
+@wp.kernel
+def reduce_needed(
+    first_row: wp.int32,
+    level: wp.int32,
+    tile_level: wp.int32,
+    need: wp.array2d(dtype=wp.int32),
+    chain: Chain,
+    texels: wp.array(dtype=wp.vec4),
+):
+    """Fill texels of `level` by the mean of the 2x2 below where the tile was shaded at a finer level."""
+    row, i = wp.tid()
+    j = first_row + row
+    if need[(j << level) >> tile_level, (i << level) >> tile_level] < level:
+        below = level - 1
+        total = fetch(texels, chain, below, 2 * i, 2 * j) + fetch(texels, chain, below, 2 * i + 1, 2 * j)
+        total += fetch(texels, chain, below, 2 * i, 2 * j + 1) + fetch(texels, chain, below, 2 * i + 1, 2 * j + 1)
+        texels[chain.offsets[level] + j * (chain.width >> level) + i] = total * 0.25
+
+
+@wp.kernel
+def paste(
+    first_row: wp.int32,
+    grid: Grid,
+    most: wp.int32,
+    segment: wp.int32,
+    visible: wp.array2d(dtype=wp.int32),
+    segments: wp.array(dtype=wp.int32),
+    planes: wp.array(dtype=Planes),
+    chain: Chain,
+    target: wp.array(dtype=wp.vec4),
+    picture: wp.array2d(dtype=wp.vec4),
+):
+    """Fill the pixels that see one segment from its lit target; RGB is divided by alpha where alpha > 1e-5."""
+    row, i = wp.tid()
+    j = first_row + row
+    triangle = visible[j, i]
+    if triangle >= 0 and segments[triangle] == segment:
+        surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
+        colour = anisotropic(target, chain, surface, most)
+        if colour[3] > 1.0e-5:
+            colour = colour / colour[3]
+        picture[j, i] = wp.vec4(colour[0], colour[1], colour[2], 1.0)
