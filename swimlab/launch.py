@@ -85,6 +85,10 @@ class Launcher:
         """An uninitialised array on the device."""
         return wp.empty(shape, dtype=dtype, device=self.device)
 
+    def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
+        """An array on the device filled with 0."""
+        return wp.zeros(shape, dtype=dtype, device=self.device)
+
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
         return wp.array(values, dtype=dtype, device=self.device)

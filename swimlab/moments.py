@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from swimlab.inputs import Inputs
-from swimlab.kernels.sampling import anisotropic_to
+from swimlab.kernels.texture_filter import anisotropic_to
 from swimlab.settings import Settings
 from swimlab.shot import Shot
 from swimlab.technique import Picture, Technique, render_samples

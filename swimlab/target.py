@@ -4,15 +4,24 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import floor, log2
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from swimlab.inputs import BOX, Inputs
+from swimlab.kernels.samples import shade_samples
 from swimlab.kernels.structs import Grid
-from swimlab.kernels.texture_space import NEVER, at_own_level, keep_needed, mark, paste, reduce_needed
+from swimlab.kernels.texture_filter import ISOTROPIC, anisotropic_to
+from swimlab.kernels.texture_space import (
+    NEVER,
+    keep_needed,
+    mark,
+    only_segment,
+    reduce_needed,
+    unpremultiply,
+)
 from swimlab.launch import Strip
 from swimlab.shot import Shot
 from swimlab.technique import shading
@@ -70,13 +79,20 @@ class Screen:
         return np.where(need == NEVER, NEVER, np.minimum(need, coarsest)).astype(np.int32)
 
     def paste(self, segment: int, target: MipChain, picture: Any) -> None:
-        """Fill the pixels of `picture` [H, W] that see a segment from its target."""
+        """Fill the pixels of `picture` [H, W] that see a segment from its target: the light is the texture."""
+        launcher, shot = self.shot.launcher, self.shot
+        kernel = shade_samples(anisotropic_to(self.anisotropy).fill(4, launcher.device), unpremultiply, 4)
+        place = segment - int(shot.mesh.segments[0])
+        nothing, count = launcher.empty((0, 0), wp.vec4), launcher.empty(shot.view.height, wp.int32)
 
         def fill(strip: Strip) -> None:
-            arguments = [strip.first, *self._arguments(segment), target.shape, target.texels, picture]
-            self.shot.launcher.launch(paste, (strip.rows, self.shot.view.width), arguments)
+            mine = launcher.empty((strip.rows, shot.view.width), wp.int32)
+            launcher.launch(only_segment, mine.shape, [strip.first, place, self.visible, self.segments, mine])
+            arguments = [strip.first, strip.first, 1, shot.grid(), mine, shot.triangles.planes]
+            arguments += [target.texels, target.shape, shot.sun, picture, nothing, count]
+            launcher.launch(kernel, strip.rows, arguments)
 
-        self.shot.launcher.each(self._strips(segment), fill)
+        launcher.each(self._strips(segment), fill)
 
     def _strips(self, segment: int) -> list[Strip]:
         first, last = self.rows[segment]
@@ -97,24 +113,24 @@ class Lighting:
 
     @cached_property
     def _shade(self) -> Callable[..., None]:
-        return shading(self.shot, cast(wp.Function, at_own_level), 1, self.inputs)
+        return shading(self.shot, ISOTROPIC, 1, self.inputs)
 
     @cached_property
     def _shade_between(self) -> Callable[..., None]:
         """For texels that lie between the maps': blending two normals is no roughness."""
-        return shading(self.shot, cast(wp.Function, at_own_level), 1, BOX)
+        return shading(self.shot, ISOTROPIC, 1, BOX)
 
     def target(self, size: int) -> MipChain:
         """A target of size x size texels, RGBA."""
         if size not in self._targets:
             chain = MipChain.allocate(self.shot.launcher, width=size, height=size, dtype=wp.vec4, clamps=True)
-            chain.texels.zero_()
             self._targets[size] = chain
         return self._targets[size]
 
     def light(self, segment: int, size: int, need: Need) -> tuple[MipChain, int]:
         """Clear, shade and reduce the needed tiles of a segment's target; how many texels were shaded."""
         target = self.target(size)
+        target.texels.zero_()
         on_device = self.shot.launcher.array(need, wp.int32)
         shaded = sum(self._light_level(level, segment, target, need, on_device) for level in np.unique(need).tolist())
         for level in range(1, target.shape.levels):

@@ -10,8 +10,9 @@ import warp as wp
 from numpy.typing import NDArray
 
 from swimlab.inputs import BOX, Inputs
+from swimlab.kernels.packet import resolved
 from swimlab.kernels.samples import shade_samples
-from swimlab.kernels.sampling import resolved
+from swimlab.kernels.texture_filter import TextureFilter
 from swimlab.launch import Strip
 from swimlab.settings import Settings
 from swimlab.shot import Shot
@@ -56,14 +57,8 @@ class Technique:
         return self.render if self.memory is None else self.memory()
 
 
-TextureFilter = Callable[[Any], wp.Function]
-
-
-def pixel_shading(texture_filter: TextureFilter) -> Callable[[Shot, Any], Picture]:
-    """Filter the inputs at the pixel's centre, shade once.
-
-    `texture_filter(settings)` makes the device function (texels, chain, surface) -> texel.
-    """
+def pixel_shading(texture_filter: Callable[[Any], TextureFilter]) -> Render:
+    """Filter the inputs at the pixel's centre, by the filter that `texture_filter(settings)` makes, and shade once."""
     specialised = cache(texture_filter)
 
     def render(shot: Shot, settings: Settings) -> Picture:
@@ -73,13 +68,13 @@ def pixel_shading(texture_filter: TextureFilter) -> Callable[[Shot, Any], Pictur
 
 
 def render_samples(
-    shot: Shot, texture_filter: wp.Function, *, n: int, jittered: bool = False, inputs: Inputs = BOX
+    shot: Shot, texture_filter: TextureFilter, *, n: int, jittered: bool = False, inputs: Inputs = BOX
 ) -> Picture:
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher = shot.launcher
     size = (shot.view.height, shot.view.width)
-    picture = launcher.empty(size, wp.vec4)
-    error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
+    picture = launcher.zeros(size, wp.vec4)
+    error = launcher.zeros(size if n > 1 else (0, 0), wp.vec4)
     shaded = launcher.empty(size[0], wp.int32)
     grid, triangles = shot.grid(n, jittered=jittered), shot.triangles
     shade = shading(shot, texture_filter, n, inputs)
@@ -91,20 +86,21 @@ def render_samples(
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
 
 
-def shading(shot: Shot, texture_filter: wp.Function, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
+def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
     """What shades a strip of a grid of n x n samples a pixel, of the screen or of a target in texture space.
 
     It is called with grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
-    shaded ([H], samples), and fills rows of the latter three from `row` on (default: the strip's own). Kernels are made
-    here, once, and not in the threads that call it.
+    shaded ([H], samples), and adds to rows of the former two, and fills rows of the latter, from `row` on (default: the
+    strip's own). Kernels are made here, once, and not in the threads that call it.
     """
     launcher, sun = shot.launcher, shot.sun
     inputs = shot.inputs(inputs)
     chain = shot.material.chain(inputs)
     width = chain.floats
+    fill = texture_filter.fill(width, launcher.device)
     if inputs.resolve is not None:
-        texture_filter = resolved(texture_filter, inputs.resolve, width)
-    kernel = shade_samples(texture_filter, width, shot.shade_packet(inputs, width), n > 1)
+        fill = resolved(fill, inputs.resolve, width)
+    kernel = shade_samples(fill, shot.shade_packet(inputs, width), width)
 
     def shade(
         grid: Any,

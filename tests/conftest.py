@@ -43,6 +43,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "light on a coarse target of hills": Tolerance(3e-3, "of 1; slopes are linear over a texel: 1.5e-3 measured"),
     "error of needed texels": Tolerance(1.25, "times the error of all texels; 1.11 to 1.14 measured"),
     "technique that acts": Tolerance(0.9, "times pixel-aniso's error; .61 to .69 measured, .852 for specular-aa"),
+    "native filter against plain": Tolerance(2e-5, "of 1; float logarithm: lod to 1e-6; float uv of 3: 1e-5 of a texel"),
     "half float": Tolerance(1e-3, "relative; a half has 11 bits: 4.9e-4 at worst"),
     "smallest half": Tolerance(6e-8, "halves under 6e-5 are multiples of 2^-24"),
     "reference against its stated error": Tolerance(1.5, "times the stated error; .94 to 1.04 measured in four views"),

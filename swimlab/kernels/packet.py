@@ -9,11 +9,9 @@ import functools
 
 import warp as wp
 
+from swimlab.kernels.locate import footprint_of
 from swimlab.kernels.shading import shade_with
-from swimlab.kernels.structs import TEXELS, Sun, Surface
-
-LANES = 64
-"""Samples in a packet."""
+from swimlab.kernels.structs import LANES, TEXELS, Chain, Sun, Surface
 
 wp.set_module_options({"enable_backward": False})
 
@@ -25,24 +23,61 @@ def rows_of(width: int) -> int:
 
 @functools.cache
 def put_in(width: int) -> wp.Function:
-    """The function that stores a filtered texel of `width` floats and its surface in a lane of a packet.
-
-    Native, as so many indexed stores cost more than shading.
-    """
-    texel_type = TEXELS[width]
-    snippet = f"""
-    float* a = lanes.data + lane;
-    for (int row = 0; row < {width}; ++row) a[{LANES}*row] = texel.c[row];
-    a[{width}*{LANES}] = (float)surface.position.c[0];
-    a[{width + 1}*{LANES}] = (float)surface.position.c[1];
-    a[{width + 2}*{LANES}] = (float)surface.position.c[2];
-    a[{width + 3}*{LANES}] = surface.slope;
-"""
+    """The function that stores a texel of `width` floats in a lane; native, as so many indexed stores are slow."""
+    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    snippet = f"for (int row = 0; row < {width}; ++row) lanes.data[{LANES}*row + lane] = texel.c[row];"
 
     @wp.func_native(snippet)
-    def put(lanes: wp.array(dtype=wp.float32), lane: wp.int32, texel: texel_type, surface: Surface): ...
+    def put(lanes: wp.array(dtype=wp.float32), lane: wp.int32, texel: texel_type): ...
 
     return put
+
+
+@functools.cache
+def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
+    """The filling of a packet with filtered texels lane by lane: the truth that native forms are tested against.
+
+    `texture_filter(texels, chain, surface) -> texel`, of `width` floats.
+    """
+    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    put = put_in(width)
+
+    @wp.func(module="unique")
+    def fill(
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        places: wp.array(dtype=wp.float64),
+        count: wp.int32,
+        lanes: wp.array(dtype=wp.float32),
+    ):
+        for lane in range(count):
+            put(lanes, lane, texture_filter(texels, chain, footprint_of(places, lane)))
+
+    return fill
+
+
+@functools.cache
+def resolved(fill: wp.Function, resolve: wp.Function, width: int) -> wp.Function:
+    """The filling of a packet, followed by `resolve(texel, chain)` in each lane."""
+    texel_type = TEXELS[width]
+    put = put_in(width)
+
+    @wp.func(module="unique")
+    def fill_and_resolve(
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        places: wp.array(dtype=wp.float64),
+        count: wp.int32,
+        lanes: wp.array(dtype=wp.float32),
+    ):
+        fill(texels, chain, places, count, lanes)
+        for lane in range(count):
+            texel = texel_type()
+            for row in range(width):
+                texel[row] = lanes[row * LANES + lane]
+            put(lanes, lane, resolve(texel, chain))
+
+    return fill_and_resolve
 
 
 @wp.func

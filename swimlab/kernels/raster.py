@@ -75,6 +75,34 @@ def row_span(edges: Edges, grid: Grid, j: wp.int32) -> wp.vec2i:
     return wp.vec2i(wp.int32(first), wp.int32(wp.ceil(last)))
 
 
+@wp.func
+def inner_span(edges: Edges, planes: Planes, grid: Grid, j: wp.int32) -> wp.vec2i:
+    """First and one past the last cell of row j that a triangle owns wholly, whose samples need no test (a subset)."""
+    top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
+    bottom = top + grid.pitch[1]
+    first = wp.float64(0.0)
+    last = wp.float64(grid.width)
+    for k in range(3):
+        a = edges[k, 0] * grid.pitch[0]
+        # The edge's value over the row, at its smallest for any y of the row.
+        c = edges[k, 2] + edges[k, 0] * grid.origin[0] + wp.min(edges[k, 1] * top, edges[k, 1] * bottom)
+        if a > wp.float64(0.0):
+            first = wp.max(first, wp.min(-c / a, last) + wp.float64(2.0))
+        elif a < wp.float64(0.0):
+            last = wp.min(last, wp.max(-c / a, wp.float64(0.0)) - wp.float64(2.0))
+        elif c <= wp.float64(0.0):
+            last = wp.float64(0.0)
+    left = grid.origin[0] + first * grid.pitch[0]
+    right = grid.origin[0] + last * grid.pitch[0]
+    nearest = wp.max(
+        wp.max(inverse_depth(planes, wp.vec2d(left, top)), inverse_depth(planes, wp.vec2d(right, top))),
+        wp.max(inverse_depth(planes, wp.vec2d(left, bottom)), inverse_depth(planes, wp.vec2d(right, bottom))),
+    )
+    if last <= first or nearest * wp.float64(NEAR) >= wp.float64(1.0):
+        return wp.vec2i(0, 0)
+    return wp.vec2i(wp.int32(wp.ceil(first)), wp.int32(last))
+
+
 @wp.kernel
 def rasterise(
     first_row: wp.int32,
@@ -96,7 +124,13 @@ def rasterise(
     for k in range(edges.shape[0]):
         if bounds[k][0] <= top + grid.pitch[1] and bounds[k][1] >= top:
             span = row_span(edges[k], grid, j)
+            inner = inner_span(edges[k], planes[k], grid, j)
+            for i in range(inner[0], inner[1]):
+                if visible[row, i] < 0:
+                    visible[row, i] = k
             for i in range(span[0], wp.min(span[1], grid.width)):
+                if visible[row, i] == k:
+                    continue
                 p = sample_position(grid, i, j)
                 if covers(edges[k], p):
                     nearness = inverse_depth(planes[k], p)

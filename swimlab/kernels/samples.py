@@ -4,23 +4,57 @@ import functools
 
 import warp as wp
 
-from swimlab.kernels.footprint import surface_at
-from swimlab.kernels.packet import LANES, put_in, radiance, rows_of
-from swimlab.kernels.raster import sample_position
-from swimlab.kernels.structs import TEXELS, Chain, Grid, Planes, Sun
+from swimlab.kernels.locate import PLACES, locate_before
+from swimlab.kernels.packet import rows_of
+from swimlab.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
+
+GATHER = """
+    char* at = (char*)picture.data + (long)j*picture.strides[0];
+    char* other = (char*)error.data + (long)j*error.strides[0];
+    int pixel = first/n, column = first - pixel*n;
+    const float odd_share = -1.0f/(float)(n*n/2), even_share = 1.0f/(float)(n*n - n*n/2);
+    for (int k = 0; k < count; ++k) {
+        float* p = (float*)(at + (long)pixel*picture.strides[1]);
+        const float r = lanes.data[k], g = lanes.data[LANES + k], b = lanes.data[2*LANES + k];
+        if (n == 1) {
+            p[0] = r; p[1] = g; p[2] = b; p[3] = 1.0f;
+        } else {
+            float* e = (float*)(other + (long)pixel*error.strides[1]);
+            const float share = (column + y) & 1 ? odd_share : even_share;
+            p[0] += r; p[1] += g; p[2] += b; p[3] += 1.0f;
+            e[0] += r*share; e[1] += g*share; e[2] += b*share; e[3] += share;
+        }
+        if (++column == n) { column = 0; ++pixel; }
+    }
+""".replace("LANES", str(LANES))
+
+
+@wp.func_native(GATHER)
+def gather(
+    lanes: wp.array(dtype=wp.float32),
+    first: wp.int32,
+    count: wp.int32,
+    n: wp.int32,
+    y: wp.int32,
+    j: wp.int32,
+    picture: wp.array2d(dtype=wp.vec4),
+    error: wp.array2d(dtype=wp.vec4),
+):
+    """Add a packet's radiance to its pixels, and to `error` with the signs of the two halves of a checkerboard."""
 
 
 @functools.cache
-def shade_samples(texture_filter: wp.Function, width: int, shade_packet: wp.Function, averages: bool) -> wp.Kernel:
+def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
-    `texture_filter(texels, chain, surface) -> texel` is what sets one technique apart from another; texels have `width`
-    floats. A pixel is n x n cells of the grid; row `first_row` of pixels is written to row `picture_row`. Misses count
-    as 0, so that RGB is premultiplied by alpha. If it `averages` (n > 1), `error` receives half the difference between
-    the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples shaded.
+    A packet is a run of cells in a row that see one triangle: they are located on it, filled with filtered texels of
+    `width` floats, shaded, and gathered into pixels. The `fill` is what sets one technique apart from another.
+    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which is to be 0
+    before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
+    between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
     """
-    texel_type = TEXELS[width]
-    put = put_in(width)
+    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    locate = locate_before(width)
     floats = LANES * rows_of(width)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -40,49 +74,29 @@ def shade_samples(texture_filter: wp.Function, width: int, shade_packet: wp.Func
     ):
         row = wp.tid()
         j = picture_row + row
-        columns = grid.width / n
         lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
-        owner = wp.zeros(shape=(LANES,), dtype=wp.int32)
-        odd = wp.zeros(shape=(LANES,), dtype=wp.int32)
-        count = wp.int32(0)
+        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         hits = wp.int32(0)
-        total = wp.float32(n * n)
-        half = wp.float32((n * n) / 2)
-        for i in range(columns):
-            picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-            if averages:
-                error[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        for y in range(row * n, (row + 1) * n):
-            pixel = wp.int32(0)
-            column = wp.int32(0)
-            for x in range(grid.width):
-                triangle = visible[y, x]
+        for y in range(n):
+            x = wp.int32(0)
+            while x < grid.width:
+                triangle = visible[row * n + y, x]
+                stop = wp.int32(x + 1)
                 if triangle >= 0:
-                    surface = surface_at(planes[triangle], grid, sample_position(grid, x, first_row * n + y))
-                    put(lanes, count, texture_filter(texels, chain, surface), surface)
-                    owner[count] = pixel
-                    odd[count] = (column + y - row * n) & 1
-                    count += 1
-                    hits += 1
-                column += 1
-                if column == n:
-                    column = wp.int32(0)
-                    pixel += 1
-                if count == LANES or (x == grid.width - 1 and y == (row + 1) * n - 1):
+                    last = wp.min(x + LANES, grid.width)
+                    while stop < last and visible[row * n + y, stop] == triangle:
+                        stop += 1
+                    locate(planes[triangle], grid, x, (first_row + row) * n + y, stop - x, places, lanes)
+                    fill(texels, chain, places, stop - x, lanes)
                     shade_packet(lanes, sun)
-                    for lane in range(count):
-                        colour = radiance(lanes, lane)
-                        value = wp.vec4(colour[0], colour[1], colour[2], 1.0)
-                        if averages:
-                            picture[j, owner[lane]] += value
-                            error[j, owner[lane]] += wp.where(odd[lane] == 1, value / -half, value / (total - half))
-                        else:
-                            picture[j, owner[lane]] = value
-                    count = wp.int32(0)
+                    gather(lanes, x, stop - x, n, y, j, picture, error)
+                    hits += stop - x
+                x = stop
         shaded[j] = hits
-        if averages:
-            for i in range(columns):
-                picture[j, i] = picture[j, i] / total
+        if n > 1:
+            share = 1.0 / wp.float32(n * n)
+            for i in range(grid.width / n):
+                picture[j, i] = picture[j, i] * share
                 error[j, i] = error[j, i] * 0.5
 
     return kernel

@@ -9,7 +9,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.kernels.footprint import ellipse, isotropic_level
-from swimlab.kernels.structs import TEXELS, Chain, Surface
+from swimlab.kernels.structs import Chain, Surface
 
 LEAST_BLEND = 1e-6
 """A coarser level that would weigh less than float rounding is not read."""
@@ -66,6 +66,12 @@ def trilinear(texels: wp.array(dtype=Any), chain: Chain, lod: wp.float32, uv: wp
     if blend > LEAST_BLEND:
         fine = fine * (1.0 - blend) + bilinear(texels, chain, level + 1, uv) * blend
     return fine
+
+
+@wp.func
+def finest(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
+    """Bilinear filter of the finest level."""
+    return bilinear(texels, chain, 0, wp.vec2(surface.uv))
 
 
 @wp.func
@@ -130,15 +136,3 @@ def anisotropic_to(most: int) -> wp.Function:
         return anisotropic(texels, chain, surface, most)
 
     return stretched
-
-
-@functools.cache
-def resolved(texture_filter: wp.Function, resolve: wp.Function, width: int) -> wp.Function:
-    """A texture filter of texels of `width` floats, followed by `resolve(texel, chain)`."""
-    texel_type = TEXELS[width]
-
-    @wp.func(module="unique")
-    def filtered(texels: wp.array(dtype=texel_type), chain: Chain, surface: Surface) -> texel_type:
-        return resolve(texture_filter(texels, chain, surface), chain)
-
-    return filtered

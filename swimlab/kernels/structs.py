@@ -2,6 +2,9 @@
 
 import warp as wp
 
+LANES = 64
+"""Samples in a packet."""
+
 Texel = wp.types.vector(length=8, dtype=wp.float32)
 """One texel of the material: albedo r, g, b; normal x, y, z; Ks; power. Interleaved, so that a fetch is one read."""
 

@@ -10,19 +10,13 @@ import warp as wp
 
 from swimlab.kernels.footprint import surface_at
 from swimlab.kernels.raster import sample_position
-from swimlab.kernels.sampling import LEAST_BLEND, anisotropic, fetch, isotropic, probes_of
-from swimlab.kernels.structs import Chain, Grid, Planes, Surface
+from swimlab.kernels.sampling import LEAST_BLEND, fetch, probes_of
+from swimlab.kernels.structs import LANES, Chain, Grid, Planes, Sun
 
 NEVER = 127
 """The level of a tile that nothing reads."""
 
 wp.set_module_options({"enable_backward": False})
-
-
-@wp.func
-def at_own_level(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
-    """The maps at the level of the target's texels."""
-    return isotropic(texels, chain, surface)
 
 
 @wp.func
@@ -117,25 +111,30 @@ def reduce_needed(
 
 
 @wp.kernel
-def paste(
+def only_segment(
     first_row: wp.int32,
-    grid: Grid,
-    most: wp.int32,
     segment: wp.int32,
     visible: wp.array2d(dtype=wp.int32),
     segments: wp.array(dtype=wp.int32),
-    planes: wp.array(dtype=Planes),
-    chain: Chain,
-    target: wp.array(dtype=wp.vec4),
-    picture: wp.array2d(dtype=wp.vec4),
+    mine: wp.array2d(dtype=wp.int32),
 ):
-    """Fill the pixels that see one segment from its lit target; RGB is divided by alpha where alpha > 1e-5."""
+    """Of some rows of a visibility buffer what shows one segment, -1 elsewhere."""
     row, i = wp.tid()
-    j = first_row + row
-    triangle = visible[j, i]
+    triangle = visible[first_row + row, i]
+    mine[row, i] = -1
     if triangle >= 0 and segments[triangle] == segment:
-        surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
-        colour = anisotropic(target, chain, surface, most)
-        if colour[3] > 1.0e-5:
-            colour = colour / colour[3]
-        picture[j, i] = wp.vec4(colour[0], colour[1], colour[2], 1.0)
+        mine[row, i] = triangle
+
+
+UNPREMULTIPLY = """
+    float* a = lanes.data;
+    for (int k = 0; k < LANES; ++k) {
+        const float alpha = a[3*LANES + k] > 1.0e-5f ? a[3*LANES + k] : 1.0f;
+        a[k] = a[k]/alpha; a[LANES + k] = a[LANES + k]/alpha; a[2*LANES + k] = a[2*LANES + k]/alpha;
+    }
+""".replace("LANES", str(LANES))
+
+
+@wp.func_native(UNPREMULTIPLY)
+def unpremultiply(lanes: wp.array(dtype=wp.float32), sun: Sun):
+    """What shading is to pasting: RGB of filtered light is divided by alpha where alpha > 1e-5."""

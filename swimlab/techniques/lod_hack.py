@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from swimlab.kernels.footprint import isotropic_level
 from swimlab.kernels.sampling import anisotropic
 from swimlab.kernels.structs import Chain, Surface
+from swimlab.kernels.texture_filter import TextureFilter
 from swimlab.settings import Settings
 from swimlab.technique import Technique, pixel_shading
 
@@ -50,6 +51,6 @@ TECHNIQUE = Technique(
     name="lod-hack",
     summary="pixel-aniso with normals faded to flat as the footprint grows",
     source="Sloan & Baker, A common hack: Level of Detail",
-    render=pixel_shading(texture_filter),
+    render=pixel_shading(lambda settings: TextureFilter(texture_filter(settings))),
     settings=LodHackSettings,
 )

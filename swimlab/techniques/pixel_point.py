@@ -6,6 +6,7 @@ import warp as wp
 
 from swimlab.kernels.sampling import point
 from swimlab.kernels.structs import Chain, Surface
+from swimlab.kernels.texture_filter import TextureFilter
 from swimlab.technique import Technique, pixel_shading
 
 
@@ -19,5 +20,5 @@ TECHNIQUE = Technique(
     name="pixel-point",
     summary="one texel a pixel, no filter",
     source="Sloan & Baker, Texture Filtering Review",
-    render=pixel_shading(lambda settings: nearest),
+    render=pixel_shading(lambda settings: TextureFilter(nearest)),
 )

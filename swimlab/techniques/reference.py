@@ -8,11 +8,11 @@ import warp as wp
 from pydantic import Field
 
 from swimlab.kernels.pixel_filter import FILTERS, gather_with
+from swimlab.kernels.texture_filter import FINEST
 from swimlab.launch import Strip
 from swimlab.settings import Settings
 from swimlab.shot import Shot
 from swimlab.technique import Picture, Technique, render_samples, shading, to_image
-from swimlab.techniques.pixel_bilinear import finest
 from swimlab.triangles import visibility
 
 
@@ -28,7 +28,7 @@ def render(shot: Shot, settings: ReferenceSettings) -> Picture:
     """n x n stratified samples a pixel, n^2 = `shot.samples`; the same sub-pixel places in every frame."""
     n = isqrt(shot.samples)
     if settings.filter == "box":
-        return render_samples(shot, finest, n=n, jittered=True)
+        return render_samples(shot, FINEST, n=n, jittered=True)
     return render_filtered(shot, settings.filter, n)
 
 
@@ -44,12 +44,12 @@ def render_filtered(shot: Shot, name: str, n: int) -> Picture:
     error = launcher.empty((view.height, view.width), wp.vec4)
     nothing = launcher.empty((0, 0), wp.vec4)
     shaded = np.zeros(view.height, np.int64)
-    shade = shading(shot, finest, 1)
+    shade = shading(shot, FINEST, 1)
     triangles = shot.triangles
 
     def fill(strip: Strip) -> None:
         rows = (strip.rows + 2 * reach) * n
-        cells = launcher.empty((rows, grid.width), wp.vec4)
+        cells = launcher.zeros((rows, grid.width), wp.vec4)
         count = launcher.empty(rows, wp.int32)
         band = Strip(strip.first * n, rows)
         visible = visibility(launcher, triangles, grid, band)

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from swimlab.kernels.sampling import anisotropic
 from swimlab.kernels.structs import Chain, Surface
+from swimlab.kernels.texture_filter import TextureFilter
 from swimlab.settings import Settings
 from swimlab.technique import Technique, pixel_shading
 
@@ -59,6 +60,8 @@ TECHNIQUE = Technique(
     name="specular-aa",
     summary="aniso inputs, highlight widened by the normal's screen derivatives",
     source="Tokuyoshi & Kaplanyan 2019, Improved Geometric Specular Antialiasing; constants of Filament",
-    render=pixel_shading(lambda settings: widened(settings.variance, settings.threshold, settings.anisotropy)),
+    render=pixel_shading(
+        lambda settings: TextureFilter(widened(settings.variance, settings.threshold, settings.anisotropy))
+    ),
     settings=SpecularAaSettings,
 )

@@ -4,7 +4,7 @@ from math import isqrt
 
 from pydantic import Field, field_validator
 
-from swimlab.kernels.sampling import anisotropic_to
+from swimlab.kernels.texture_filter import anisotropic_to
 from swimlab.settings import Settings
 from swimlab.shot import Shot
 from swimlab.technique import Picture, Technique, render_samples

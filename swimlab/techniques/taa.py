@@ -16,8 +16,8 @@ from pydantic import Field
 
 from sequences import View
 from swimlab.geometry import seen_from
-from swimlab.kernels.sampling import anisotropic_to
 from swimlab.kernels.temporal import CLAMPS, READS, reproject, resolve_with
+from swimlab.kernels.texture_filter import anisotropic_to
 from swimlab.launch import Strip
 from swimlab.settings import Settings
 from swimlab.shot import Shot
@@ -84,7 +84,7 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     """One step of the recursion: a new sample of each pixel, jittered by `step`, and the history, that of `before`."""
     launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
     size = (view.height, view.width)
-    fresh, nearness, places = (launcher.empty(size, dtype) for dtype in (wp.vec4, wp.float32, wp.vec4))
+    fresh, nearness, places = (launcher.zeros(size, dtype) for dtype in (wp.vec4, wp.float32, wp.vec4))
     shaded, no_error = launcher.empty(view.height, wp.int32), launcher.empty((0, 0), wp.vec4)
     previous = seen_from(shot, before)
     jittered: Any = shot.grid()
