@@ -75,12 +75,14 @@ class Inputs:
     reflect: (texel, light, view, diffuse) -> radiance in the road's tangent frame, a lobe of its own in place of the
         scene's reflectance model, for models whose slopes are Gaussian; other models and maps with twist use
         `otherwise`.
+    native: (lanes, sun), that lobe over a packet in a form that a CPU compiler vectorises.
     """
 
     name: str
     pack: Callable[[Maps], Level] = field(default=boxed)
     resolve: wp.Function | None = None
     reflect: wp.Function | None = None
+    native: wp.Function | None = None
     otherwise: "Inputs | None" = None
 
 

@@ -59,10 +59,13 @@ class Shot:
         return wanted if fits or wanted.otherwise is None else wanted.otherwise
 
     def shade_packet(self, inputs: Inputs, width: int) -> wp.Function:
-        """The shading of a packet of texels of `width` floats: native on the CPU where the model has such a form."""
+        """The shading of a packet of texels of `width` floats: native on the CPU where there is such a form."""
+        on_cpu = self.launcher.device == "cpu"
+        if inputs.native is not None and on_cpu:
+            return inputs.native
         if inputs.reflect is not None:
             return plain_packet(inputs.reflect, width)
-        if self.launcher.device == "cpu" and self.model.native is not None and width == 8:
+        if on_cpu and self.model.native is not None and width == 8:
             return self.model.native
         return plain_packet(in_local_frame(self.model.evaluate, width), width)
 
