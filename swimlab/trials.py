@@ -16,7 +16,7 @@ from swimlab.catalogue import model_of, techniques
 from swimlab.frames import Geometry, Image
 from swimlab.geometry import describe_geometry
 from swimlab.launch import Launcher
-from swimlab.material import load_material
+from swimlab.material import Material, load_material
 from swimlab.measure import ALPHA_ROUNDING
 from swimlab.record import REFERENCE, RunError
 from swimlab.shot import Shot
@@ -61,17 +61,25 @@ class Trial:
 class Stage:
     """Frames of a sequence with their truth, on which variants are tried.
 
-    samples: the reference's samples a pixel, a square number from 4. The reference's pictures and the geometry are made
-    when first asked for and held, 60 bytes a pixel and frame. Raises RunError for frames that do not follow each other,
-    unless the sequence resizes, and MapError for unfit maps.
+    samples: the reference's samples a pixel, a square number from 4. material: in place of the sequence's maps. The
+    reference's pictures and the geometry are made when first asked for and held, 48 bytes a pixel and frame. Raises
+    RunError for frames that do not follow each other, unless the sequence resizes, and MapError for unfit maps.
     """
 
-    def __init__(self, sequence: Scenery, frames: Sequence[int], *, samples: int, launcher: Launcher) -> None:
+    def __init__(
+        self,
+        sequence: Scenery,
+        frames: Sequence[int],
+        *,
+        samples: int,
+        launcher: Launcher,
+        material: Material | None = None,
+    ) -> None:
         if not frames or (not sequence.motion.resizes and any(b - a != 1 for a, b in pairwise(frames))):
             raise RunError(f"frames {list(frames)}: a trial needs frames that follow each other")
         self.sequence, self.frames, self.samples = sequence, list(frames), samples
         self._launcher, self._model = launcher, model_of(sequence)
-        self._material = load_material(sequence, launcher, twisted=self._model.anisotropic)
+        self._material = material or load_material(sequence, launcher, twisted=self._model.anisotropic)
 
     def shot(self, frame: int) -> Shot:
         """A frame before any technique has touched it."""

@@ -20,7 +20,9 @@ def blinn_phong(kd, ks, p, light, view, diffuse, normalisation="deck"):
     return ks * factor * cosine**p + kd * diffuse * np.clip(light[..., 2], 0, 1)
 
 
-def banks(kd, ks, p, light, view, diffuse):
+def banks(kd, ks, p, light, view, diffuse, normalisation="none", exponent=1.0):
+    p = exponent * p
+    ks = ks * {"none": 1, "energy": np.sqrt((2 * p + 5) / (16 * PI))}[normalisation]
     lt, vt, nl = light[..., 0], view[..., 0], np.clip(light[..., 2], 0, 1)
     d = np.sqrt(1 - lt**2) * np.sqrt(1 - vt**2) - lt * vt
     return ks * np.clip(d, 0, 1) ** p * nl + kd * diffuse * nl
@@ -38,10 +40,12 @@ def ashikhmin_shirley(kd, ks, p, light, view, diffuse, anisotropy=1.0):
     return np.where((nl > 0) & (ne > 0), PI * (specular + body) * nl, 0)
 
 
-def lafortune(kd, ks, p, light, view, diffuse, lobes=((-1, -1, 1, 0.25),)):
+def lafortune(kd, ks, p, light, view, diffuse, lobes=((-1, -1, 1, 0.25),), normalisation="none"):
     nl = np.clip(light[..., 2], 0, 1)
     total = sum(
-        np.clip((np.array(coefficients) * light * view).sum(-1), 0, None) ** (n * p) for *coefficients, n in lobes
+        np.clip((np.array(coefficients) * light * view).sum(-1), 0, None) ** (n * p)
+        * ((n * p + 2) / (2 * PI) if normalisation == "energy" else 1)
+        for *coefficients, n in lobes
     )
     return PI * (kd / PI + ks * np.where(view[..., 2] > 0, total, 0)) * nl
 

@@ -7,12 +7,12 @@ Coordinates are sign(x) (1 - sqrt(1 - |x|)), in which asin stays smooth to the e
 """
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import warp as wp
 
 from swimlab.brdf import Brdf, Model
+from swimlab.brdfs.banks import FACTORS, BanksSettings
 from swimlab.kernels.shading import power_below_one
 from swimlab.kernels.table import Doubles, Table, tabulated
 
@@ -33,10 +33,17 @@ def coordinate(x: wp.float32) -> wp.float32:
 
 
 @cache
-def factored(settings: Any) -> Model:
+def table() -> Table:
+    """The table, 67 KB."""
+    return tabulated(half_sine, columns=NODES, rows=NODES)
+
+
+@cache
+def factored(settings: BanksSettings) -> Model:
     """The model with its table."""
-    table: Table = tabulated(half_sine, columns=NODES, rows=NODES)
-    half_sine_at = table.lookup
+    half_sine_at = table().lookup
+    factor = FACTORS[settings.normalisation]
+    times = settings.exponent
 
     @wp.func(module="unique")
     def evaluate(
@@ -44,10 +51,11 @@ def factored(settings: Any) -> Model:
     ) -> wp.vec3:
         sine = half_sine_at(coordinate(light[0]), coordinate(view[0]))
         lambert = wp.clamp(light[2], 0.0, 1.0)
-        specular = power_below_one(wp.min(2.0 * sine * sine, 1.0), power) * lambert * ks
+        exponent = times * power
+        specular = power_below_one(wp.min(2.0 * sine * sine, 1.0), exponent) * lambert * factor(exponent) * ks
         return albedo * (lambert * diffuse) + wp.vec3(specular, specular, specular)
 
-    return Model(evaluate, anisotropic=True, tables=(table,))
+    return Model(evaluate, anisotropic=True, tables=(table(),))
 
 
 BRDF = Brdf(
@@ -55,4 +63,5 @@ BRDF = Brdf(
     summary="banks by a table over (L.T, V.T)",
     source="Heidrich & Seidel 1998, Efficient Rendering of Anisotropic Surfaces Using Computer Graphics Hardware",
     model=factored,
+    settings=BanksSettings,
 )

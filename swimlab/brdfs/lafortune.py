@@ -1,13 +1,17 @@
 """Lafortune et al. 1997: a Lambertian body and n generalised cosine lobes.
 
-C = pi f sat(N.L), f = Kd / pi + Ks sum_i sat(Cx Lx Vx + Cy Ly Vy + Cz Lz Vz)^n_i, with no normalisation, as the paper
-writes the lobes; Ks may exceed 1. Lobe i's exponent n_i is a multiple of Blinn-Phong's power: a mirror's lobe
-(-1, -1, 1), whose angle moves twice as fast as the half vector's, is as wide as Blinn-Phong's at a quarter of it.
+C = pi f sat(N.L), f = Kd / pi + Ks sum_i n(n_i) sat(Cx Lx Vx + Cy Ly Vy + Cz Lz Vz)^n_i. Lobe i's exponent n_i is a
+multiple of Blinn-Phong's power: a mirror's lobe (-1, -1, 1), whose angle moves twice as fast as the half vector's, is
+as wide as Blinn-Phong's at a quarter of it. The normalisation is
+none: 1, as the paper writes the lobes; a wider highlight is then a brighter one, so that techniques which widen
+highlights add light, and Ks has no unit;
+energy: (n_i + 2) / (2 pi), with which a mirror's lobe reflects Ks of what comes at normal incidence.
 Coefficients are in -1..1, so that no power overflows: a scale belongs in Ks. The sun's irradiance is pi, so the deck's
-diffuse intensity has no part here. Lobes are 0 where the eye is below the surface.
+diffuse intensity has no part here. Lobes are 0 where light or eye are below the surface.
 """
 
 from functools import cache
+from typing import Literal
 
 import numpy as np
 import warp as wp
@@ -32,6 +36,10 @@ class LafortuneSettings(Settings):
 
     lobes: tuple[Lobe, ...] = Field((Lobe(),), description="the lobes, 1 to 8 tables (default: a mirror's)")
 
+    normalisation: Literal["none", "energy"] = Field(
+        "none", description="a lobe's factor: none (1) or energy ((n+2) / (2 pi), n its exponent)"
+    )
+
     @field_validator("lobes")
     @classmethod
     def _a_few(cls, lobes: tuple[Lobe, ...]) -> tuple[Lobe, ...]:
@@ -40,9 +48,26 @@ class LafortuneSettings(Settings):
         return lobes
 
 
+@wp.func
+def none(exponent: wp.float32) -> wp.float32:
+    """1."""
+    return wp.float32(1.0)
+
+
+@wp.func
+def energy(exponent: wp.float32) -> wp.float32:
+    """(n + 2) / (2 pi)."""
+    return (exponent + 2.0) / (2.0 * wp.PI)
+
+
+FACTORS = {"none": none, "energy": energy}
+"""Normalisations by name."""
+
+
 @cache
 def with_lobes(settings: LafortuneSettings) -> Model:
     """The model of some lobes."""
+    factor = FACTORS[settings.normalisation]
     count = len(settings.lobes)
     table = np.array([(lobe.x, lobe.y, lobe.z, lobe.exponent) for lobe in settings.lobes], np.float32)
     lobes = wp.types.matrix(shape=(count, 4), dtype=wp.float32)(table)
@@ -61,7 +86,8 @@ def with_lobes(settings: LafortuneSettings) -> Model:
                     c = lobes[i, k]
                     apart = light[k] - c * view[k]
                     x += apart * apart + (1.0 - c * c) * view[k] * view[k]
-                total += power_below_one(wp.min(0.5 * x, 1.0), lobes[i, 3] * power)
+                exponent = lobes[i, 3] * power
+                total += power_below_one(wp.min(0.5 * x, 1.0), exponent) * factor(exponent)
         specular = wp.PI * ks * total * lambert
         return albedo * lambert + wp.vec3(specular, specular, specular)
 

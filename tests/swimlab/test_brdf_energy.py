@@ -75,6 +75,19 @@ def test_strands_seen_from_across(reflected, limit, name, power):
     assert reflected(name, view=UP, power=power) == pytest.approx(expected, rel=limit(name))
 
 
+@pytest.mark.parametrize("power", [0.0, 1.0, 10.0, 1e3])
+@pytest.mark.parametrize("name", ["banks", "banks-factored"])
+def test_normalised_strands_seen_from_across_reflect_what_comes(reflected, tolerance, name, power):
+    found = reflected(name, view=UP, power=power, normalisation="energy")
+    assert found == pytest.approx(1, abs=tolerance("normalised strands"))
+
+
+@pytest.mark.parametrize("power", [1.0, 40.0, 4e3])
+def test_a_normalised_mirror_lobe_of_lafortune(reflected, tolerance, power):
+    found = reflected("lafortune", view=UP, power=power, normalisation="energy") / np.pi
+    assert found == pytest.approx(1, rel=tolerance("energy by quadrature"))
+
+
 @pytest.mark.parametrize("power", [1.0, 40.0, 400.0])
 def test_a_mirror_lobe_of_lafortune(reflected, tolerance, power):
     """f = cos^n at normal incidence, n = power / 4, gives 2 pi / (n + 2)."""

@@ -100,7 +100,7 @@ def test_the_twists_bytes_are_in_the_settings_hash(twisted_by):
     assert one != other
 
 
-def test_brushed_metal_tiles_and_never_turns_far_between_neighbours():
+def test_brushed_metal_tiles_and_never_turns_far_between_neighbours(tolerance):
     angle = brushed.make(3, 256)
     assert angle.shape == (256, 256)
     assert (angle == brushed.make(3, 256)).all()
@@ -111,7 +111,8 @@ def test_brushed_metal_tiles_and_never_turns_far_between_neighbours():
         assert steps.max() < np.pi / 2
         assert steps.take(-1, axis).max() <= steps.max()
     made = read_maps(SMALL.with_changes(scene={"material": {"twist": "made:brushed"}})).twist
-    assert np.allclose(np.arctan2(made[..., 1], made[..., 0]), brushed.make(SMALL.seed), atol=1e-6)
+    turned = np.arctan2(made[..., 1], made[..., 0]) - brushed.make(SMALL.seed)
+    assert np.abs(turned).max() <= tolerance("weights in float32")
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,11 @@ FORMS = [
     ("blinn-phong", {"normalisation": "ndf"}),
     ("blinn-phong", {"normalisation": "energy"}),
     ("banks", {}),
+    ("banks", {"normalisation": "energy", "exponent": 0.25}),
     ("ashikhmin-shirley", {}),
     ("ashikhmin-shirley", {"anisotropy": 4.0}),
     ("lafortune", {}),
-    ("lafortune", {"lobes": OFF_SPECULAR}),
+    ("lafortune", {"lobes": OFF_SPECULAR, "normalisation": "energy"}),
     ("cook-torrance", {}),
 ]
 FACTORED = [
@@ -35,7 +36,9 @@ POWERS = [0.0, 0.5, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5]
 
 def exact(name, parameters, *args):
     if "lobes" in parameters:
-        parameters = {"lobes": [(lobe["x"], lobe["y"], lobe["z"], lobe["exponent"]) for lobe in parameters["lobes"]]}
+        parameters = parameters | {
+            "lobes": [(lobe["x"], lobe["y"], lobe["z"], lobe["exponent"]) for lobe in parameters["lobes"]]
+        }
     return getattr(reflectance, name.replace("-", "_"))(*args, **parameters)
 
 
