@@ -71,7 +71,8 @@ def measure(
 
     notes = []
     longest = 0
-    with Sweep(measures, read, memory=memory, threads=threads) as sweep:
+    pictures = 1 + context.has_reference + context.has_floor
+    with Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep:
         for span in alignment.spans:
             sweep.run(span, lambda done: progress and progress(done, test.count))
             longest = max(longest, span.count)

@@ -1,6 +1,7 @@
 """The sweep over a clip: frames are read and aligned by one thread while others transform those before."""
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
@@ -32,9 +33,12 @@ Ready = tuple[int, Pictures, list[TileTransform]]
 class Sweep:
     """Feeds measures with the spectra of spans, in no more memory than was given."""
 
-    def __init__(self, measures: Sequence[Measure], read: Read, *, memory: float, threads: int | None) -> None:
-        """read: frame -> the test, the error and the half-difference of the reference, as many as there are."""
+    def __init__(
+        self, measures: Sequence[Measure], read: Read, *, pictures: int, memory: float, threads: int | None
+    ) -> None:
+        """read: frame -> the test, the error and the half-difference of the reference, `pictures` of them."""
         self._measures, self._read, self._memory = measures, read, memory
+        self._frame = 12.0 * pictures
         self._pool = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)))
 
     def __enter__(self) -> "Sweep":
@@ -46,17 +50,20 @@ class Sweep:
     def run(self, span: Span, advance: Callable[[int], object]) -> None:
         """Feed a span; `advance` is told the number of frames done, in the clip."""
         height, width = span.shape
-        frame = 36.0 * height * width
+        frame = self._frame * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
         making = _READING if span.correspondence is None else _FOLLOWING
         room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - making * height * width)
-        some = list(parts(span, self._held, room))
-        for number, part in enumerate(some):
+        some = deque(parts(span, self._held, room))
+        total = len(some)
+        for number in range(total):
+            # A part holds its places until it is let go.
+            part = some.popleft()
             for measure in self._measures:
                 measure.begin(part)
-            before = span.start * len(some) + number * span.count
+            before = span.start * total + number * span.count
             for done in self._feed(part, chunk):
-                advance((before + done) // len(some))
+                advance((before + done) // total)
             for measure in self._measures:
                 measure.end()
 

@@ -1,5 +1,8 @@
 """Memory is bounded, and neither that nor the number of threads changes a score."""
 
+import weakref
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -55,6 +58,27 @@ def test_scores_are_the_same_in_a_tenth_of_the_memory(clips, found, tolerance, m
     assert [row["mse"] for row in little.frames] == pytest.approx(
         [row["mse"] for row in found.frames], rel=tolerance("budget")
     )
+
+
+def test_places_of_one_part_at_a_time_are_held(clips, monkeypatch):
+    """Each part lets its correspondence go; where all moves as one there is none."""
+    test, reference = clips
+    made, most = [], [0]
+
+    def watched(*args):
+        some = list(parts(*args))
+        made.extend(weakref.ref(part) for part in some)
+        return some
+
+    def frame(t):
+        spans = [part() for part in made]
+        most[0] = max(most[0], sum("_places" in vars(span) for span in spans if span is not None))
+        return test.frame(t)
+
+    monkeypatch.setattr(metrics.sweep, "parts", watched)
+    measure(replace(test, frame=frame), reference, memory=9e6)
+    assert len(made) >= 2
+    assert most[0] == callable(test.motion)
 
 
 def test_scores_are_the_same_bits_for_any_number_of_threads(clips, found):
