@@ -44,8 +44,14 @@ STEEPEST = 8.0
 
 
 def variances(maps: Maps) -> Level:
-    """As `boxed`, with the variance of slopes 1/power in the power's place: that is what adds up."""
+    """As `boxed`, with the variance of slopes 1/power in the power's place, which adds up, and unit normals.
+
+    The length of a mean of normals tells how they spread. That of one normal tells nothing: 8-bit codes stray from 1
+    by up to .007, which would widen a highlight of power 1000 five times.
+    """
     packed = boxed(maps).texels.copy()
+    length = np.linalg.norm(maps.normal.astype(np.float64), axis=2, keepdims=True)
+    packed[..., 3:6] = maps.normal / np.where(length > 0, length, 1)
     packed[..., 7] = 1 / np.maximum(packed[..., 7], LEAST_POWER)
     return Level(packed)
 

@@ -76,7 +76,11 @@ NATIVE = """
         const float x = a[8*64 + k], y = a[9*64 + k], z = a[10*64 + k];
         const float toward = -1.0f/__builtin_sqrtf(x*x + y*y + z*z);
         const float my = (ly + slope*lz)*tilt, mz = (lz - slope*ly)*tilt;
-        float hx = lx + x*toward, hy = my + (y + slope*z)*tilt*toward, hz = mz + (z - slope*y)*tilt*toward;
+        // As `half_vector`.
+        const float vx = x*toward, vy = (y + slope*z)*tilt*toward, vz = (z - slope*y)*tilt*toward;
+        const float sx = lx + vx, sy = my + vy, sz = mz + vz, dx = lx - vx, dy = my - vy, dz = mz - vz;
+        const float along = 0.25f*(sx*dx + sy*dy + sz*dz);
+        float hx = sx - along*dx, hy = sy - along*dy, hz = sz - along*dz;
         const float h = 1.0f/__builtin_sqrtf(hx*hx + hy*hy + hz*hz);
         hx *= h; hy *= h; hz *= h;
         float nx = a[3*64 + k], ny = a[4*64 + k], nz = a[5*64 + k];
@@ -85,8 +89,10 @@ NATIVE = """
         const float cosine = nx*hx + ny*hy + nz*hz;
         const float cx = ny*hz - nz*hy, cy = nz*hx - nx*hz, cz = nx*hy - ny*hx;
         const float s = cx*cx + cy*cy + cz*cz;
-        // log(1 - s): log(u) s/(1 - u) with u = 1 - s as rounded; log(u) by the polynomial of Cephes' logf.
-        const float u = 1.0f - s > 1.2e-38f ? 1.0f - s : 1.2e-38f;
+        // log(1 - s): log(u) s/(1 - u) with u = 1 - s as rounded, beyond 45 degrees log(u) with u = (N.H)^2; log(u) by
+        // the polynomial of Cephes' logf.
+        const float squared = s > 0.5f ? cosine*cosine : 1.0f - s;
+        const float u = squared > 1.2e-38f ? squared : 1.2e-38f;
         int bits; __builtin_memcpy(&bits, &u, 4);
         const int e = (bits - 0x3f3504f3) >> 23;
         bits -= e << 23;
@@ -97,10 +103,10 @@ NATIVE = """
         q = q*f + 1.4249322787e-1f; q = q*f - 1.6668057665e-1f; q = q*f + 2.0000714765e-1f;
         q = q*f - 2.4999993993e-1f; q = q*f + 3.3333331174e-1f;
         const float log_u = (f + (q*f - 0.5f)*f*f) + (float)e*0.693147181f;
-        const float log_1s = u < 1.0f ? log_u*(s/(1.0f - u)) : -s;
+        const float log_1s = s > 0.5f ? log_u : u < 1.0f ? log_u*(s/(1.0f - u)) : -s;
         const float power = a[7*64 + k];
-        const float lobe = exp2(0.72134752f*power*log_1s);
-        const float specular = cosine > 0.0f ? lobe*(FACTOR)*a[6*64 + k] : 0.0f;
+        const float lobe = power > 0.0f ? (cosine > 0.0f ? exp2(0.72134752f*power*log_1s) : 0.0f) : 1.0f;
+        const float specular = lobe*(FACTOR)*a[6*64 + k];
         float lambert = nx*lx + ny*my + nz*mz;
         lambert = (lambert > 0.0f ? (lambert < 1.0f ? lambert : 1.0f) : 0.0f)*diffuse;
         a[k] = a[k]*lambert + specular;

@@ -40,7 +40,7 @@ def surfaces(
 @functools.cache
 def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
-    texel_type = TEXELS[width]
+    texel_type = wp.vec4 if width == 4 else TEXELS[width]
     put = put_in(width)
     floats = LANES * rows_of(width)
 

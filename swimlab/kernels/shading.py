@@ -42,12 +42,27 @@ def power_below_one(x: wp.float32, power: wp.float32) -> wp.float32:
 def power_of_cosine(h: wp.vec3, power: wp.float32) -> wp.float32:
     """sat(h.z)^power for a unit vector h of the local frame, good to powers of 1e5.
 
-    The power is taken of the sine, (1 - h.x^2 - h.y^2)^(power/2): near the peak a float's h.z has lost the digits that
-    the power multiplies.
+    Within 45 degrees of the peak the power is taken of the sine, (1 - h.x^2 - h.y^2)^(power/2): a float's h.z has lost
+    the digits that the power multiplies. Towards the horizon it is the sine that has lost those of h.z.
     """
     if h[2] <= 0.0:
         return wp.where(power == 0.0, 1.0, 0.0)
-    return power_below_one(h[0] * h[0] + h[1] * h[1], 0.5 * power)
+    squared = h[0] * h[0] + h[1] * h[1]
+    if squared > 0.5:
+        return wp.exp(power * wp.log(h[2]))
+    return power_below_one(squared, 0.5 * power)
+
+
+@wp.func
+def half_vector(light: wp.vec3, view: wp.vec3) -> wp.vec3:
+    """The unit vector halfway between two unit vectors, also nearly opposite ones; 0 between opposite ones.
+
+    As |L| = |V|, L + V has nothing along L - V: what it has there is the rounding of their lengths, and is taken off
+    where L + V is short and L - V has nearly all of |L + V|^2 + |L - V|^2 = 4.
+    """
+    total = light + view
+    apart = light - view
+    return wp.normalize(total - apart * (0.25 * wp.dot(total, apart)))
 
 
 @wp.func

@@ -38,42 +38,73 @@ class Bar:
     parts: Sequence[tuple[str, float, str, str]]
 
 
+class Plane:
+    """A plane with two axes on paper, from the lowest to the highest values given; its text lies at left and below.
+
+    margin: what is left free beyond these on every side, as a fraction of the plane.
+    """
+
+    def __init__(
+        self,
+        across: Sequence[float],
+        up: Sequence[float],
+        *,
+        x: Axis,
+        y: Axis,
+        size: tuple[int, int] = (WIDTH, HEIGHT),
+        margin: float = 0.0,
+    ) -> None:
+        self.size, self._x, self._y = size, x, y
+        self._across = _widened(_limits(across, x.scale), x.scale, margin)
+        self._up = _widened(_limits(up, y.scale), y.scale, margin)
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, top, right and bottom of where points lie."""
+        return LEFT, TOP, self.size[0] - RIGHT, self.size[1] - BOTTOM
+
+    def place(self, px: float, py: float) -> tuple[float, float]:
+        """Where a point lies on the paper."""
+        left, top, right, bottom = self.box
+        across, up = _share(px, self._across, self._x.scale), _share(py, self._up, self._y.scale)
+        return left + across * (right - left), bottom - up * (bottom - top)
+
+    def drawn(self) -> list[str]:
+        """The grid, and the axes with their ticks and labels."""
+        left, top, right, bottom = self.box
+        body = []
+        for value, text in ticks(*self._across, self._x.scale):
+            at, _ = self.place(value, self._up[0])
+            body.append(f'<path class="grid" d="M{at:.1f} {top}V{bottom}"/>')
+            body.append(drawn_text(at, bottom + 16, text, "middle"))
+        for value, text in ticks(*self._up, self._y.scale):
+            _, at = self.place(self._across[0], value)
+            body.append(f'<path class="grid" d="M{left} {at:.1f}H{right}"/>')
+            body.append(drawn_text(left - 6, at + 4, text, "end"))
+        body.append(drawn_text((left + right) / 2, self.size[1] - 6, self._x.label, "middle"))
+        middle = (top + bottom) / 2
+        body.append(f'<g transform="rotate(-90 12 {middle})">{drawn_text(12, middle, self._y.label, "middle")}</g>')
+        return body
+
+
 def line_chart(lines: Sequence[Line], *, x: Axis, y: Axis, title: str) -> str:
     """An SVG of lines; "" when no line has a point to draw."""
     kept = [(line, _drawable(line, x, y)) for line in lines]
     points = [point for _, some in kept for point in some]
     if not points:
         return ""
-    x_low, x_high = _limits([point[0] for point in points], x.scale)
-    y_low, y_high = _limits([point[1] for point in points], y.scale)
-
-    def place(px: float, py: float) -> tuple[float, float]:
-        across = (_unit(px, x.scale) - _unit(x_low, x.scale)) / (_unit(x_high, x.scale) - _unit(x_low, x.scale))
-        up = (_unit(py, y.scale) - _unit(y_low, y.scale)) / (_unit(y_high, y.scale) - _unit(y_low, y.scale))
-        return LEFT + across * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - up * (HEIGHT - TOP - BOTTOM)
-
-    body = []
-    for value, text in ticks(x_low, x_high, x.scale):
-        at, _ = place(value, y_low)
-        body.append(f'<path class="grid" d="M{at:.1f} {TOP}V{HEIGHT - BOTTOM}"/>')
-        body.append(_text(at, HEIGHT - BOTTOM + 16, text, "middle"))
-    for value, text in ticks(y_low, y_high, y.scale):
-        _, at = place(x_low, value)
-        body.append(f'<path class="grid" d="M{LEFT} {at:.1f}H{WIDTH - RIGHT}"/>')
-        body.append(_text(LEFT - 6, at + 4, text, "end"))
+    plane = Plane([point[0] for point in points], [point[1] for point in points], x=x, y=y)
+    body = plane.drawn()
     for line, some in kept:
-        path = "L".join(f"{px:.1f} {py:.1f}" for px, py in (place(*point) for point in some))
+        path = "L".join(f"{px:.1f} {py:.1f}" for px, py in (plane.place(*point) for point in some))
         dash = f' stroke-dasharray="{line.dash}"' if line.dash else ""
         if path:
             body.append(f'<path class="line" d="M{path}" stroke="{line.colour}"{dash}/>')
         for point in some:
-            px, py = place(*point)
+            px, py = plane.place(*point)
             hover = escape(f"{line.label}: {number(point[1])} at {number(point[0])}")
             body.append(f'<circle cx="{px:.1f}" cy="{py:.1f}" fill="{line.colour}"><title>{hover}</title></circle>')
-    body.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 6, x.label, "middle"))
-    middle = (TOP + HEIGHT - BOTTOM) / 2
-    body.append(f'<g transform="rotate(-90 12 {middle})">{_text(12, middle, y.label, "middle")}</g>')
-    return _svg(HEIGHT, title, body)
+    return drawing(plane.size, title, body)
 
 
 def stacked_bars(bars: Sequence[Bar], *, label: str, title: str) -> str:
@@ -88,10 +119,10 @@ def stacked_bars(bars: Sequence[Bar], *, label: str, title: str) -> str:
     for value, text in ticks(0, high, "linear"):
         at = BAR_LEFT + value / high * room
         body.append(f'<path class="grid" d="M{at:.1f} {TOP}V{height - BOTTOM}"/>')
-        body.append(_text(at, height - BOTTOM + 16, text, "middle"))
+        body.append(drawn_text(at, height - BOTTOM + 16, text, "middle"))
     for row, bar in enumerate(bars):
         top = TOP + row * (BAR + BAR_GAP) + BAR_GAP / 2
-        body.append(_text(BAR_LEFT - 6, top + BAR / 2 + 4, bar.label, "end"))
+        body.append(drawn_text(BAR_LEFT - 6, top + BAR / 2 + 4, bar.label, "end"))
         at = float(BAR_LEFT)
         for name, length, colour, hover in bar.parts:
             wide = length / high * room
@@ -100,8 +131,8 @@ def stacked_bars(bars: Sequence[Bar], *, label: str, title: str) -> str:
                 f"<title>{escape(f'{bar.label}, {name}: {hover}')}</title></rect>"
             )
             at += wide
-    body.append(_text((BAR_LEFT + WIDTH - RIGHT) / 2, height - 6, label, "middle"))
-    return _svg(height, title, body)
+    body.append(drawn_text((BAR_LEFT + WIDTH - RIGHT) / 2, height - 6, label, "middle"))
+    return drawing((WIDTH, height), title, body)
 
 
 def ticks(low: float, high: float, scale: str) -> list[tuple[float, str]]:
@@ -111,7 +142,7 @@ def ticks(low: float, high: float, scale: str) -> list[tuple[float, str]]:
         return [(2.0**e, f"1/{2**-e}" if e < 0 else str(2**e)) for e in exponents]
     if scale == "log":
         decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-        steps = (1,) if len(decades) > 3 else (1, 2, 5)
+        steps = (1,) if math.log10(high / low) > 3 else (1, 2, 5)
         values = [step * 10.0**e for e in decades for step in steps]
     else:
         rough = (high - low) / 5
@@ -151,10 +182,24 @@ def _limits(values: Sequence[float], scale: str) -> tuple[float, float]:
     return (low, high) if high > low * 1.05 else (low / 2, high * 2)
 
 
-def _text(x: float, y: float, text: str, anchor: str) -> str:
+def _widened(limits: tuple[float, float], scale: str, margin: float) -> tuple[float, float]:
+    low, high = limits
+    if scale == "linear":
+        return low - margin * (high - low), high + margin * (high - low)
+    return low * (low / high) ** margin, high * (high / low) ** margin
+
+
+def _share(value: float, limits: tuple[float, float], scale: str) -> float:
+    low, high = (_unit(limit, scale) for limit in limits)
+    return (_unit(value, scale) - low) / (high - low)
+
+
+def drawn_text(x: float, y: float, text: str, anchor: str) -> str:
+    """A text element."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(text)}</text>'
 
 
-def _svg(height: float, title: str, body: Sequence[str]) -> str:
-    head = f'<svg viewBox="0 0 {WIDTH} {height:g}" role="img" aria-label="{escape(title)}">'
+def drawing(size: tuple[float, float], title: str, body: Sequence[str]) -> str:
+    """An SVG of some elements."""
+    head = f'<svg viewBox="0 0 {size[0]:g} {size[1]:g}" role="img" aria-label="{escape(title)}">'
     return head + "".join(body) + "</svg>"

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from swimlab.record import REFERENCE
 from swimlab.report.charts import Axis, Bar, Line, line_chart, stacked_bars
 from swimlab.report.palette import PARTS, Ink
+from swimlab.report.scatter import Point, scatter
 
 Entry = Mapping[str, Any]
 
@@ -58,6 +59,23 @@ def figures(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> list[Figure]:
         *_scales(entries, inks),
     ]
     return [figure for figure in drawn if figure.svg]
+
+
+def speed(entries: Sequence[Entry], milliseconds: Mapping[str, float], inks: Mapping[str, Ink]) -> list[Figure]:
+    """Error against the time of a frame as the run recorded it, of one sequence; none where there is no error."""
+    floor = max((entry["scores"].get("budget.floor", 0.0) for entry in entries), default=0.0)
+    points = [
+        Point(name, milliseconds[name], math.sqrt(max(entry["scores"].get("budget.mse", 0.0), 0.0)), inks[name].colour)
+        for entry in entries
+        if (name := entry["technique"]) in milliseconds
+    ]
+    x, y = Axis("ms a frame", "log"), Axis("rms error", "log")
+    svg = scatter([[point] for point in points], x=x, y=y, title="Error against time", floor=math.sqrt(floor))
+    sentence = (
+        "Lower left is better. Filled dots are the Pareto front: nothing is as fast and closer. Times are as rendered, "
+        "one technique after another. Dotted: the reference's own error."
+    )
+    return [Figure("Error against time", svg, sentence, [])] if svg else []
 
 
 def _budget(entries: Sequence[Entry]) -> Figure:

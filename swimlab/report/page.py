@@ -14,7 +14,7 @@ from swimlab.files import write_text
 from swimlab.record import REFERENCE
 from swimlab.report.clips import BUDGET, Clip, choose_clips
 from swimlab.report.display import ERROR_RANGE, ERROR_STEPS
-from swimlab.report.figures import figures
+from swimlab.report.figures import figures, speed
 from swimlab.report.palette import Ink, inks
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
@@ -91,7 +91,7 @@ def _section(
         "name": run.sequence,
         "headline": headline(mine),
         "table": score_table(mine, run.milliseconds),
-        "figures": figures(mine, colours),
+        "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours)],
         "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
         "score_names": names,
         "entries": mine,

@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from swimlab.inputs import Inputs, Level, Maps, slopes
+from swimlab.kernels.shading import half_vector
 from swimlab.kernels.structs import Chain, LeanTexel, Sun
 from swimlab.moments import moment_technique
 from swimlab.techniques import clean
@@ -41,7 +42,7 @@ def reflect(texel: LeanTexel, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
     normal = wp.normalize(wp.vec3(texel[3], texel[4], 1.0))
     lambert = wp.clamp(wp.dot(normal, light), 0.0, 1.0) * diffuse
     colour = wp.vec3(texel[0], texel[1], texel[2]) * lambert
-    half = wp.normalize(light + view)
+    half = half_vector(light, view)
     if half[2] > 1.0e-6:
         x = half[0] / half[2] - texel[3]
         y = half[1] / half[2] - texel[4]
@@ -62,7 +63,11 @@ NATIVE = """
         const float px = a[9*64 + k], py = a[10*64 + k], pz = a[11*64 + k];
         const float toward = -1.0f/__builtin_sqrtf(px*px + py*py + pz*pz);
         const float my = (ly + slope*lz)*tilt, mz = (lz - slope*ly)*tilt;
-        const float hx = lx + px*toward, hy = my + (py + slope*pz)*tilt*toward, hz = mz + (pz - slope*py)*tilt*toward;
+        // As `half_vector`.
+        const float vx = px*toward, vy = (py + slope*pz)*tilt*toward, vz = (pz - slope*py)*tilt*toward;
+        const float sx = lx + vx, sy = my + vy, sz = mz + vz, dx = lx - vx, dy = my - vy, dz = mz - vz;
+        const float along = 0.25f*(sx*dx + sy*dy + sz*dz);
+        const float hx = sx - along*dx, hy = sy - along*dy, hz = sz - along*dz;
         const float long_h = __builtin_sqrtf(hx*hx + hy*hy + hz*hz);
         const float bx = a[3*64 + k], by = a[4*64 + k], xx = a[5*64 + k], yy = a[7*64 + k], xy = a[8*64 + k];
         const float up = hz > 1.0e-6f*long_h ? hz : 1.0f, x = hx/up - bx, y = hy/up - by;

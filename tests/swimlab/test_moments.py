@@ -158,7 +158,7 @@ def test_leans_native_form_is_the_plain_one(launcher, tolerance):
     samples = np.concatenate([*columns, correlation[:, None], position, slope], axis=1).astype(np.float32)
     packets = samples.reshape(-1, LANES, rows).transpose(0, 2, 1).reshape(len(samples) // LANES, -1)
     sun = Sun()
-    sun.direction, sun.diffuse = wp.vec3(0.1, 0.9, 0.4), 0.6
+    sun.direction, sun.diffuse = wp.normalize(wp.vec3(0.1, 0.9, 0.4)), 0.6
     lit = []
     for shade_packet in (lean.native, plain_packet(lean.reflect, 9)):
         out = launcher.array(packets, wp.float32)
