@@ -175,7 +175,7 @@ class Lighting:
 
         def fill(strip: Strip) -> None:
             arguments = [strip.first, level, tile_level, need, target.shape, target.texels]
-            launcher.launch(reduce_needed, (strip.rows, side), arguments)
+            launcher.launch(reduce_needed, strip.rows, arguments)
 
         launcher.each(launcher.strips(side), fill)
 

@@ -4,6 +4,9 @@ import os
 import sys
 import warnings
 
+# Work is shared among threads of our own; those of BLAS would fight them for the cores.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from cyclopts import App
 
 from swimlab import __version__

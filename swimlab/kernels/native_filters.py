@@ -1,7 +1,8 @@
 """Texture filters over packets in native form: what `sampling` says, for a CPU.
 
-First come the probes of all lanes, in loops that a compiler vectorises; then the taps, lane by lane, a whole texel at a
-time. The taps give the bits of the plain form; levels of detail, by a float logarithm, agree to 1e-6.
+First come the probes of all lanes, and for each probe the addresses of its texels, in loops that a compiler vectorises;
+then the taps, lane by lane, a whole texel at a time. The taps give the bits of the plain form; levels of detail, by a
+float logarithm, agree to 1e-6.
 """
 
 import functools
@@ -65,47 +66,98 @@ ANISOTROPIC = """
 """
 
 
-def _taps(part: str, kind: str, first: int, width: int) -> str:
-    """Code that reads one bilinear sample of `kind` (a vector type), floats `first`... of texels of `width`."""
-    return f"""
-    auto tap_{part} = [&](int level, float u, float v) -> {kind} {{
-        const int w = chain.width >> level > 1 ? chain.width >> level : 1;
-        const int h = chain.height >> level > 1 ? chain.height >> level : 1;
-        const float x = u*(float)w - 0.5f, y = v*(float)h - 0.5f;
-        const float left = __builtin_floorf(x), top = __builtin_floorf(y), a = x - left, b = y - top;
-        int i0 = (int)left, j0 = (int)top, i1 = i0 + 1, j1 = j0 + 1;
-        if (clamps) {{
-            i0 = i0 < 0 ? 0 : i0 > w - 1 ? w - 1 : i0; i1 = i1 < 0 ? 0 : i1 > w - 1 ? w - 1 : i1;
-            j0 = j0 < 0 ? 0 : j0 > h - 1 ? h - 1 : j0; j1 = j1 < 0 ? 0 : j1 > h - 1 ? h - 1 : j1;
-        }} else {{
-            i0 &= w - 1; i1 &= w - 1; j0 &= h - 1; j1 &= h - 1;
-        }}
-        const float* at = data + (long)chain.offsets.data[level]*{width} + {first};
-        const float* upper = at + (long)j0*w*{width}; const float* lower = at + (long)j1*w*{width};
-        const {kind} m = *(const {kind}*)(upper + i0*{width})*(1.0f - a) + *(const {kind}*)(upper + i1*{width})*a;
-        const {kind} n = *(const {kind}*)(lower + i0*{width})*(1.0f - a) + *(const {kind}*)(lower + i1*{width})*a;
-        return m*(1.0f - b) + n*b;
-    }};
+ADDRESSES = """
+    // Of each lane's two levels: size, index of the first texel, and what the second weighs.
+    float wide[2][LANES], high[2][LANES], blend[LANES], share[LANES];
+    int right[2][LANES], low[2][LANES], start[2][LANES];
+    const float coarsest = (float)(chain.levels - 1);
+    const int full_width = chain.width, full_height = chain.height, last = chain.levels - 1;
+    const int* __restrict offsets = chain.offsets.data;
+    int most = 1, blended = 0;
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
+        const int level = (int)l, next = level < last ? level + 1 : level;
+        blend[k] = l - (float)level;
+        const int w = full_width >> level, h = full_height >> level;
+        const int v = full_width >> next, g = full_height >> next;
+        right[0][k] = w > 1 ? w - 1 : 0; low[0][k] = h > 1 ? h - 1 : 0; start[0][k] = offsets[level];
+        right[1][k] = v > 1 ? v - 1 : 0; low[1][k] = g > 1 ? g - 1 : 0; start[1][k] = offsets[next];
+        for (int o = 0; o < 2; ++o) { wide[o][k] = (float)(right[o][k] + 1); high[o][k] = (float)(low[o][k] + 1); }
+        share[k] = 1.0f/(float)number[k];
+        most = number[k] > most ? number[k] : most;
+        blended |= blend[k] > 1.0e-6f;
+    }
+    // Of a probe: indices of its four texels, and how far it lies from the first to the next.
+    int at[2][4][LANES];
+    float across[2][LANES], down[2][LANES];
+    auto address = [&](int o, float i) {
+        #pragma clang loop vectorize(assume_safety)
+        for (int k = 0; k < count; ++k) {
+            const float x = (fu[k] + su[k]*i)*wide[o][k] - 0.5f, y = (fv[k] + sv[k]*i)*high[o][k] - 0.5f;
+            const float left = __builtin_floorf(x), top = __builtin_floorf(y);
+            across[o][k] = x - left; down[o][k] = y - top;
+            const int r = right[o][k], l = low[o][k], i0 = (int)left, j0 = (int)top, i1 = i0 + 1, j1 = j0 + 1;
+            const int a0 = clamps ? (i0 < 0 ? 0 : i0 > r ? r : i0) : i0 & r;
+            const int a1 = clamps ? (i1 < 0 ? 0 : i1 > r ? r : i1) : i1 & r;
+            const int b0 = start[o][k] + (clamps ? (j0 < 0 ? 0 : j0 > l ? l : j0) : j0 & l)*(r + 1);
+            const int b1 = start[o][k] + (clamps ? (j1 < 0 ? 0 : j1 > l ? l : j1) : j1 & l)*(r + 1);
+            at[o][0][k] = b0 + a0; at[o][1][k] = b0 + a1; at[o][2][k] = b1 + a0; at[o][3][k] = b1 + a1;
+        }
+    };
 """
 
 
-def _sum(part: str, kind: str, first: int, floats: int) -> str:
-    """Code that leaves the mean of a lane's probes in rows `first`... of the packet."""
-    store = "".join(
-        f" lanes.data[{(first + i) * LANES} + k] = sum{f'.s{i:x}' if floats > 1 else ''};" for i in range(floats)
-    )
+def _part(name: str, kind: str, first: int, width: int) -> tuple[str, str, str]:
+    """Code for floats `first`... of texels of `width`, as vectors `kind`: sums, a bilinear tap, adding a probe."""
+    sums = f"    {kind} sum_{name}[{LANES}];\n"
+    tap = f"""
+    auto tap_{name} = [&](int o, int k) -> {kind} {{
+        auto read = [&](int which) -> {kind} {{
+            return *(const {kind}*)(data + (long)at[o][which][k]*{width} + {first});
+        }};
+        const float a = across[o][k], b = down[o][k];
+        const {kind} m = read(0)*(1.0f - a) + read(1)*a, n = read(2)*(1.0f - a) + read(3)*a;
+        return m*(1.0f - b) + n*b;
+    }};
+"""
+    add = f"""
+            {kind} value_{name} = tap_{name}(0, k);
+            if (blend[k] > 1.0e-6f) value_{name} = value_{name}*(1.0f - blend[k]) + tap_{name}(1, k)*blend[k];
+            sum_{name}[k] = i == 0 ? value_{name} : sum_{name}[k] + value_{name};
+"""
+    return sums, tap, add
+
+
+TRANSPOSED = """
+    for (; done + 8 <= count; done += 8) {
+        vec_a r[8], s[8];
+        for (int i = 0; i < 8; ++i) r[i] = sum_whole[done + i]*share[done + i];
+        for (int i = 0; i < 8; i += 2) {
+            s[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+            s[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        for (int i = 0; i < 8; i += i % 4 == 1 ? 3 : 1) {
+            r[i] = __builtin_shufflevector(s[i], s[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            r[i + 2] = __builtin_shufflevector(s[i], s[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+        for (int i = 0; i < 4; ++i) {
+            *(vec_a*)(out + i*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+            *(vec_a*)(out + (i + 4)*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+        }
+    }
+"""
+"""Code that leaves the means of eight lanes at a time, eight floats each, in the first rows of the packet."""
+
+
+def _store(name: str, first: int, floats: int) -> str:
+    """Code that leaves the mean of the other lanes' probes in rows `first`... of the packet."""
+    rows = "".join(f" out[{(first + i) * LANES} + k] = mean{f'.s{i:x}' if floats > 1 else ''};" for i in range(floats))
+    blocks = TRANSPOSED.replace("LANES", str(LANES)) if floats == 8 else ""
     return f"""
-        {{
-            {kind} sum = ({kind})(0.0f);
-            for (int i = 0; i < number[k]; ++i) {{
-                const float u = fu[k] + su[k]*(float)i, v = fv[k] + sv[k]*(float)i;
-                {kind} value = tap_{part}(level, u, v);
-                if (two) value = value*(1.0f - blend) + tap_{part}(level + 1, u, v)*blend;
-                sum = i == 0 ? value : sum + value;
-            }}
-            if (number[k] > 1) sum = sum*(1.0f/(float)number[k]);
-            {store}
-        }}
+    done = 0;
+{blocks}
+    for (int k = done; k < count; ++k) {{ const auto mean = sum_{name}[k]*share[k];{rows} }}
 """
 
 
@@ -120,9 +172,11 @@ def _filter(probes: str, width: int) -> wp.Function:
         else f"    typedef float {kind};\n"
         for _, kind, _, floats in parts
     )
+    sums, taps, adds = zip(*(_part(name, kind, first, width) for name, kind, first, _ in parts), strict=True)
     snippet = f"""
 {types}
-    const float* data = (const float*)texels.data;
+    const float* __restrict data = (const float*)texels.data;
+    float* __restrict out = lanes.data;
     const double* __restrict q = places.data;
     const double W = (double)chain.width, H = (double)chain.height;
     const bool clamps = chain.clamps == 1;
@@ -130,15 +184,19 @@ def _filter(probes: str, width: int) -> wp.Function:
     int number[{LANES}];
 {LOG2}
 {probes.replace("LANES", str(LANES))}
-{"".join(_taps(part, kind, first, width) for part, kind, first, _ in parts)}
-    const float coarsest = (float)(chain.levels - 1);
-    for (int k = 0; k < count; ++k) {{
-        const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
-        const int level = (int)l;
-        const float blend = l - (float)level;
-        const bool two = blend > 1.0e-6f;
-{"".join(_sum(part, kind, first, floats) for part, kind, first, floats in parts)}
+{ADDRESSES.replace("LANES", str(LANES))}
+{"".join(sums)}
+{"".join(taps)}
+    for (int i = 0; i < most; ++i) {{
+        address(0, (float)i);
+        if (blended) address(1, (float)i);
+        for (int k = 0; k < count; ++k) {{
+            if (i >= number[k]) continue;
+{"".join(adds)}
+        }}
     }}
+    int done;
+{"".join(_store(name, first, floats) for name, _, first, floats in parts)}
 """
 
     @wp.func_native(snippet)

@@ -34,6 +34,22 @@ def put_in(width: int) -> wp.Function:
 
 
 @functools.cache
+def take_from(width: int) -> wp.Function:
+    """The function that reads a texel of `width` floats from a lane; native, as `put_in` is."""
+    texel_type = TEXELS[width]
+    snippet = f"""
+    wp::vec_t<{width}, float> texel;
+    for (int row = 0; row < {width}; ++row) texel.c[row] = lanes.data[{LANES}*row + lane];
+    return texel;
+"""
+
+    @wp.func_native(snippet)
+    def take(lanes: wp.array(dtype=wp.float32), lane: wp.int32) -> texel_type: ...
+
+    return take
+
+
+@functools.cache
 def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
     """The filling of a packet with filtered texels lane by lane: the truth that native forms are tested against.
 
@@ -60,7 +76,7 @@ def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
 def resolved(fill: wp.Function, resolve: wp.Function, width: int) -> wp.Function:
     """The filling of a packet, followed by `resolve(texel, chain)` in each lane."""
     texel_type = TEXELS[width]
-    put = put_in(width)
+    take, put = take_from(width), put_in(width)
 
     @wp.func(module="unique")
     def fill_and_resolve(
@@ -72,10 +88,7 @@ def resolved(fill: wp.Function, resolve: wp.Function, width: int) -> wp.Function
     ):
         fill(texels, chain, places, count, lanes)
         for lane in range(count):
-            texel = texel_type()
-            for row in range(width):
-                texel[row] = lanes[row * LANES + lane]
-            put(lanes, lane, resolve(texel, chain))
+            put(lanes, lane, resolve(take(lanes, lane), chain))
 
     return fill_and_resolve
 

@@ -103,6 +103,35 @@ def inner_span(edges: Edges, planes: Planes, grid: Grid, j: wp.int32) -> wp.vec2
     return wp.vec2i(wp.int32(wp.ceil(first)), wp.int32(last))
 
 
+CLAIM = """
+    int* __restrict cell = (int*)((char*)visible.data + (long)row*visible.strides[0]);
+    int taken = 0;
+    for (int i = first; i < last; ++i) {
+        taken += cell[i] >= 0;
+        cell[i] = cell[i] >= 0 ? cell[i] : value;
+    }
+    return taken == 0;
+"""
+
+
+@wp.func_native(CLAIM)
+def claim(
+    visible: wp.array2d(dtype=wp.int32), row: wp.int32, first: wp.int32, last: wp.int32, value: wp.int32
+) -> wp.bool:
+    """Write `value` to the cells of a run in which there is none >= 0 yet, and whether that was all of them."""
+
+
+CLEAR = """
+    int* cell = (int*)((char*)visible.data + (long)row*visible.strides[0]);
+    for (int i = 0; i < cells; ++i) cell[i] = -1;
+"""
+
+
+@wp.func_native(CLEAR)
+def clear(visible: wp.array2d(dtype=wp.int32), row: wp.int32, cells: wp.int32):
+    """Write -1 to a row."""
+
+
 @wp.kernel
 def rasterise(
     first_row: wp.int32,
@@ -119,16 +148,19 @@ def rasterise(
     row = wp.tid()
     j = first_row + row
     top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
-    for i in range(grid.width):
-        visible[row, i] = -1
+    clear(visible, row, grid.width)
     for k in range(edges.shape[0]):
         if bounds[k][0] <= top + grid.pitch[1] and bounds[k][1] >= top:
             span = row_span(edges[k], grid, j)
             inner = inner_span(edges[k], planes[k], grid, j)
-            for i in range(inner[0], inner[1]):
-                if visible[row, i] < 0:
-                    visible[row, i] = k
-            for i in range(span[0], wp.min(span[1], grid.width)):
+            whole = claim(visible, row, inner[0], inner[1], k)
+            stop = wp.min(span[1], grid.width)
+            i = wp.int32(span[0] - 1)
+            while i + 1 < stop:
+                i += 1
+                if whole and i == inner[0] and inner[1] > i:
+                    i = inner[1] - 1
+                    continue
                 if visible[row, i] == k:
                     continue
                 p = sample_position(grid, i, j)

@@ -13,18 +13,24 @@ GATHER = """
     char* other = (char*)error.data + (long)j*error.strides[0];
     int pixel = first/n, column = first - pixel*n;
     const float odd_share = -1.0f/(float)(n*n/2), even_share = 1.0f/(float)(n*n - n*n/2);
-    for (int k = 0; k < count; ++k) {
-        float* p = (float*)(at + (long)pixel*picture.strides[1]);
-        const float r = lanes.data[k], g = lanes.data[LANES + k], b = lanes.data[2*LANES + k];
-        if (n == 1) {
-            p[0] = r; p[1] = g; p[2] = b; p[3] = 1.0f;
-        } else {
-            float* e = (float*)(other + (long)pixel*error.strides[1]);
-            const float share = (column + y) & 1 ? odd_share : even_share;
-            p[0] += r; p[1] += g; p[2] += b; p[3] += 1.0f;
-            e[0] += r*share; e[1] += g*share; e[2] += b*share; e[3] += share;
+    if (n == 1) {
+        for (int k = 0; k < count; ++k) {
+            float* p = (float*)(at + (long)(pixel + k)*picture.strides[1]);
+            p[0] = lanes.data[k]; p[1] = lanes.data[LANES + k]; p[2] = lanes.data[2*LANES + k]; p[3] = 1.0f;
         }
-        if (++column == n) { column = 0; ++pixel; }
+        return;
+    }
+    for (int k = 0; k < count; ++pixel, column = 0) {
+        float* p = (float*)(at + (long)pixel*picture.strides[1]);
+        float* e = (float*)(other + (long)pixel*error.strides[1]);
+        float sum[4] = {p[0], p[1], p[2], p[3]}, difference[4] = {e[0], e[1], e[2], e[3]};
+        for (; column < n && k < count; ++column, ++k) {
+            const float r = lanes.data[k], g = lanes.data[LANES + k], b = lanes.data[2*LANES + k];
+            const float share = (column + y) & 1 ? odd_share : even_share;
+            sum[0] += r; sum[1] += g; sum[2] += b; sum[3] += 1.0f;
+            difference[0] += r*share; difference[1] += g*share; difference[2] += b*share; difference[3] += share;
+        }
+        for (int c = 0; c < 4; ++c) { p[c] = sum[c]; e[c] = difference[c]; }
     }
 """.replace("LANES", str(LANES))
 

@@ -10,7 +10,7 @@ import warp as wp
 
 from swimlab.kernels.footprint import surface_at
 from swimlab.kernels.raster import sample_position
-from swimlab.kernels.sampling import LEAST_BLEND, fetch, probes_of
+from swimlab.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.kernels.structs import LANES, Chain, Grid, Planes, Sun
 
 NEVER = 127
@@ -91,6 +91,30 @@ def keep_needed(
         visible[row, i] = -1
 
 
+REDUCE = """
+    const int side = chain.width >> level, below = 2*side;
+    const int* wanted = (const int*)((const char*)need.data + (long)((j << level) >> tile_level)*need.strides[0]);
+    const auto* upper = texels.data + chain.offsets.data[level - 1] + (long)2*j*below;
+    const auto* lower = upper + below;
+    auto* out = texels.data + chain.offsets.data[level] + (long)j*side;
+    for (int i = 0; i < side; ++i)
+        if (wanted[(i << level) >> tile_level] < level)
+            out[i] = ((upper[2*i] + upper[2*i + 1]) + (lower[2*i] + lower[2*i + 1]))*0.25f;
+"""
+
+
+@wp.func_native(REDUCE)
+def reduce_row(
+    j: wp.int32,
+    level: wp.int32,
+    tile_level: wp.int32,
+    need: wp.array2d(dtype=wp.int32),
+    chain: Chain,
+    texels: wp.array(dtype=wp.vec4),
+):
+    """Fill texels of row j of `level` by the mean of the 2x2 below where the tile was shaded at a finer level."""
+
+
 @wp.kernel
 def reduce_needed(
     first_row: wp.int32,
@@ -100,14 +124,8 @@ def reduce_needed(
     chain: Chain,
     texels: wp.array(dtype=wp.vec4),
 ):
-    """Fill texels of `level` by the mean of the 2x2 below where the tile was shaded at a finer level."""
-    row, i = wp.tid()
-    j = first_row + row
-    if need[(j << level) >> tile_level, (i << level) >> tile_level] < level:
-        below = level - 1
-        total = fetch(texels, chain, below, 2 * i, 2 * j) + fetch(texels, chain, below, 2 * i + 1, 2 * j)
-        total += fetch(texels, chain, below, 2 * i, 2 * j + 1) + fetch(texels, chain, below, 2 * i + 1, 2 * j + 1)
-        texels[chain.offsets[level] + j * (chain.width >> level) + i] = total * 0.25
+    """`reduce_row`, one thread a row."""
+    reduce_row(first_row + wp.tid(), level, tile_level, need, chain, texels)
 
 
 @wp.kernel
