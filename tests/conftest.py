@@ -43,6 +43,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "technique that acts": Tolerance(0.9, "times pixel-aniso's error; .61 to .69 measured, .852 for specular-aa"),
     "native lean, relative": Tolerance(2e-5, "polynomial exp2 against exp; 5e-6 measured"),
     "native filter against plain": Tolerance(2e-5, "of 1; float logarithm: lod to 1e-6; float uv of 3 to 1e-5 texel"),
+    "a GPU against the CPU": Tolerance(1e-4, "relative rms; plain forms, fused multiply-adds of the device"),
     "half a code": Tolerance(0.5 / 255 + 1e-6, "8 bit"),
     "half float": Tolerance(1e-3, "relative; a half has 11 bits: 4.9e-4 at worst"),
     "smallest half": Tolerance(6e-8, "halves under 6e-5 are multiples of 2^-24"),
