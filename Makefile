@@ -12,21 +12,29 @@ study: .venv/installed
 	$(BIN)/swimlab study -o runs/study
 
 # The tests run against the installed wheel, never against the source folders.
-test: .venv/installed
+test: .venv/tools .venv/installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
 
-.venv/dependencies: pyproject.toml constraints.txt
+.venv/builder: pyproject.toml constraints.txt
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet $$($(BIN)/python -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; print(*p["dependencies"], *p["optional-dependencies"]["dev"])' | tr ' ' '\n')
+	$(BIN)/pip install --quiet build hatchling
 	touch $@
 
-.venv/installed: .venv/dependencies $(SOURCES)
+# The wheel of these sources over the last one, then what it depends on and does not find.
+.venv/installed: .venv/builder $(SOURCES)
+	rm -f .venv/wheels/*
 	$(BIN)/python -m build --wheel --no-isolation --outdir .venv/wheels . > .venv/build.log || (cat .venv/build.log; exit 1)
-	$(BIN)/pip install --quiet --no-deps --force-reinstall .venv/wheels/swimlab-*.whl
+	$(BIN)/pip install --quiet --no-deps --force-reinstall .venv/wheels/*.whl
+	$(BIN)/pip install --quiet .venv/wheels/*.whl
+	touch $@
+
+# What only the tests need, and the extras that they cover.
+.venv/tools: .venv/builder | .venv/installed
+	$(BIN)/pip install --quiet "$$(ls .venv/wheels/*.whl)[cluster,dev,notebook,table]"
 	touch $@
 
 clean:
