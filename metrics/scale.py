@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from metrics.clip import Clip, ClipError
 from metrics.display import STANDARD, Display, Domain, to_domain
@@ -53,7 +54,11 @@ SCORES = {
 
 def area_filter(image: NDArray[np.float64], height: int, width: int) -> NDArray[np.float64]:
     """Mean of a picture [..., H, W] over each of height x width equal cells, by exact overlap of areas."""
-    return np.asarray(_overlap(height, image.shape[-2]) @ image @ _overlap(width, image.shape[-1]).T)
+    rows = np.moveaxis(image, -2, 0)
+    lower = (_overlap(height, len(rows)) @ rows.reshape(len(rows), -1)).reshape(height, *rows.shape[1:])
+    columns = np.moveaxis(lower, -1, 0)
+    small = _overlap(width, len(columns)) @ columns.reshape(len(columns), -1)
+    return np.moveaxis(small.reshape(width, *columns.shape[1:]), (0, 1), (-1, -2))
 
 
 def measure_scales(
@@ -196,8 +201,8 @@ def _rms(values: list[float]) -> float | None:
     return float(np.sqrt(np.mean(np.square(values)))) if values else None
 
 
-def _overlap(cells: int, pixels: int) -> NDArray[np.float64]:
+def _overlap(cells: int, pixels: int) -> csr_array:
     """[cells, pixels], the share of each cell that each pixel takes; rows sum to 1."""
     edges = np.arange(cells + 1)[:, None] * (pixels / cells)
     below = np.clip(edges - np.arange(pixels)[None, :], 0.0, 1.0)
-    return np.asarray(np.diff(below, axis=0) * (cells / pixels))
+    return csr_array(np.diff(below, axis=0) * (cells / pixels))

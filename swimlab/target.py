@@ -82,12 +82,12 @@ class Screen:
         """Fill the pixels of `picture` [H, W] that see a segment from its target: the light is the texture."""
         launcher, shot = self.shot.launcher, self.shot
         kernel = shade_samples(anisotropic_to(self.anisotropy).fill(4, launcher.device), unpremultiply, 4)
-        place = segment - int(shot.mesh.segments[0])
         nothing, count = launcher.empty((0, 0), wp.vec4), launcher.empty(shot.view.height, wp.int32)
 
         def fill(strip: Strip) -> None:
             mine = launcher.empty((strip.rows, shot.view.width), wp.int32)
-            launcher.launch(only_segment, mine.shape, [strip.first, place, self.visible, self.segments, mine])
+            arguments = [strip.first, self._place(segment), self.visible, self.segments, mine]
+            launcher.launch(only_segment, mine.shape, arguments)
             arguments = [strip.first, strip.first, 1, shot.grid(), mine, shot.triangles.planes]
             arguments += [target.texels, target.shape, shot.sun, picture, nothing, count]
             launcher.launch(kernel, strip.rows, arguments)
@@ -99,8 +99,12 @@ class Screen:
         return [Strip(first + strip.first, strip.rows) for strip in self.shot.launcher.strips(last - first)]
 
     def _arguments(self, segment: int) -> list[Any]:
-        place = segment - int(self.shot.mesh.segments[0])
-        return [self.shot.grid(), self.anisotropy, place, self.visible, self.segments, self.shot.triangles.planes]
+        shot, place = self.shot, self._place(segment)
+        return [shot.grid(), self.anisotropy, place, self.visible, self.segments, shot.triangles.planes]
+
+    def _place(self, segment: int) -> int:
+        """A segment's number as `segments` has it, small enough for a kernel at any distance."""
+        return segment - int(self.shot.mesh.segments[0])
 
 
 @dataclass
@@ -145,10 +149,9 @@ class Lighting:
         triangles = in_texture(launcher, self.shot.mesh, segment, 1 / side)
         first = int(target.shape.offsets.numpy()[level])
         texels = target.texels[first : first + side * side].reshape((side, side))
-        shaded = launcher.empty(side, wp.int32)
-        shaded.zero_()
+        shaded = launcher.zeros(side, wp.int32)
         nothing = launcher.empty((0, 0), wp.vec4)
-        tile = max(1, target.shape.width // len(need)) >> level
+        tile = min(target.shape.width, TILE) >> level
         shade = self._shade_between if side > max(self.shot.material.size) else self._shade
 
         def fill(strip: Strip) -> None:

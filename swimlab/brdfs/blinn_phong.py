@@ -15,6 +15,7 @@ from pydantic import Field
 
 from swimlab.brdf import Brdf, Model
 from swimlab.kernels.shading import power_of_cosine
+from swimlab.kernels.snippets import EXP2, LOGARITHM, half_vector
 from swimlab.kernels.structs import Sun
 from swimlab.settings import Settings
 
@@ -56,53 +57,23 @@ NATIVE_FACTORS = {
 }
 """The same in the native form."""
 
-NATIVE = """
-    // 2^t = 2^r 2^g, |g| <= 1/2, by the polynomial of Cephes' exp2f.
-    const auto exp2 = [](float t) {
-        t = t > -126.0f ? t : -126.0f;
-        const float r = __builtin_floorf(t + 0.5f), g = t - r;
-        float p = 1.535336188319500e-4f;
-        p = p*g + 1.339887440266574e-3f; p = p*g + 9.618437357674640e-3f; p = p*g + 5.550332471162809e-2f;
-        p = p*g + 2.402264791363012e-1f; p = p*g + 6.931472028550421e-1f; p = p*g + 1.0f;
-        const int scale = ((int)r + 127) << 23;
-        float two; __builtin_memcpy(&two, &scale, 4);
-        return p*two;
-    };
+NATIVE = f"""{EXP2}{LOGARITHM}
     float* __restrict a = lanes.data;
     const float lx = sun.direction[0], ly = sun.direction[1], lz = sun.direction[2], diffuse = sun.diffuse;
     #pragma clang loop vectorize(assume_safety) vectorize_width(16)
-    for (int k = 0; k < 64; ++k) {
-        const float slope = a[11*64 + k], tilt = 1.0f/__builtin_sqrtf(1.0f + slope*slope);
-        const float x = a[8*64 + k], y = a[9*64 + k], z = a[10*64 + k];
-        const float toward = -1.0f/__builtin_sqrtf(x*x + y*y + z*z);
-        const float my = (ly + slope*lz)*tilt, mz = (lz - slope*ly)*tilt;
-        // As `half_vector`.
-        const float vx = x*toward, vy = (y + slope*z)*tilt*toward, vz = (z - slope*y)*tilt*toward;
-        const float sx = lx + vx, sy = my + vy, sz = mz + vz, dx = lx - vx, dy = my - vy, dz = mz - vz;
-        const float along = 0.25f*(sx*dx + sy*dy + sz*dz);
-        float hx = sx - along*dx, hy = sy - along*dy, hz = sz - along*dz;
-        const float h = 1.0f/__builtin_sqrtf(hx*hx + hy*hy + hz*hz);
-        hx *= h; hy *= h; hz *= h;
+    for (int k = 0; k < 64; ++k) {{
+{half_vector(8)}
+        const float h = 1.0f/__builtin_sqrtf(hx*hx + hy*hy + hz*hz), ux = hx*h, uy = hy*h, uz = hz*h;
         float nx = a[3*64 + k], ny = a[4*64 + k], nz = a[5*64 + k];
         const float n = 1.0f/__builtin_sqrtf(nx*nx + ny*ny + nz*nz);
         nx *= n; ny *= n; nz *= n;
-        const float cosine = nx*hx + ny*hy + nz*hz;
-        const float cx = ny*hz - nz*hy, cy = nz*hx - nx*hz, cz = nx*hy - ny*hx;
+        const float cosine = nx*ux + ny*uy + nz*uz;
+        const float cx = ny*uz - nz*uy, cy = nz*ux - nx*uz, cz = nx*uy - ny*ux;
         const float s = cx*cx + cy*cy + cz*cz;
-        // log(1 - s): log(u) s/(1 - u) with u = 1 - s as rounded, beyond 45 degrees log(u) with u = (N.H)^2; log(u) by
-        // the polynomial of Cephes' logf.
+        // log(1 - s): log(u) s/(1 - u) with u = 1 - s as rounded, beyond 45 degrees log(u) with u = (N.H)^2.
         const float squared = s > 0.5f ? cosine*cosine : 1.0f - s;
         const float u = squared > 1.2e-38f ? squared : 1.2e-38f;
-        int bits; __builtin_memcpy(&bits, &u, 4);
-        const int e = (bits - 0x3f3504f3) >> 23;
-        bits -= e << 23;
-        float m; __builtin_memcpy(&m, &bits, 4);
-        const float f = m - 1.0f;
-        float q = 7.0376836292e-2f;
-        q = q*f - 1.1514610310e-1f; q = q*f + 1.1676998740e-1f; q = q*f - 1.2420140846e-1f;
-        q = q*f + 1.4249322787e-1f; q = q*f - 1.6668057665e-1f; q = q*f + 2.0000714765e-1f;
-        q = q*f - 2.4999993993e-1f; q = q*f + 3.3333331174e-1f;
-        const float log_u = (f + (q*f - 0.5f)*f*f) + (float)e*0.693147181f;
+        int e; const float rest = log_of_mantissa(u, e), log_u = rest + (float)e*0.693147181f;
         const float log_1s = s > 0.5f ? log_u : u < 1.0f ? log_u*(s/(1.0f - u)) : -s;
         const float power = a[7*64 + k];
         const float lobe = power > 0.0f ? (cosine > 0.0f ? exp2(0.72134752f*power*log_1s) : 0.0f) : 1.0f;
@@ -112,7 +83,7 @@ NATIVE = """
         a[k] = a[k]*lambert + specular;
         a[64 + k] = a[64 + k]*lambert + specular;
         a[128 + k] = a[128 + k]*lambert + specular;
-    }
+    }}
 """
 
 

@@ -4,8 +4,7 @@ import functools
 
 import warp as wp
 
-from swimlab.kernels.packet import put_in, radiance, rows_of
-from swimlab.kernels.structs import LANES, TEXELS, Sun
+from swimlab.kernels.structs import LANES
 
 
 @wp.func
@@ -34,36 +33,6 @@ def evaluations(evaluate: wp.Function, each: int = LANES) -> wp.Kernel:
         total = wp.float32(0.0)
         for i in range(thread * each, thread * each + each):
             total += evaluate(albedo, ks, power, light[i], view[i], diffuse)[0]
-        out[thread] = total
-
-    return kernel
-
-
-@functools.cache
-def packets(shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that fills a packet a thread with texels of `width` floats, shades it on flat ground, adds up red."""
-    texel_type = TEXELS[width]
-    put = put_in(width)
-    floats = LANES * rows_of(width)
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        texels: wp.array(dtype=texel_type),
-        positions: wp.array(dtype=wp.vec3),
-        sun: Sun,
-        out: wp.array(dtype=wp.float32),
-    ):
-        thread = wp.tid()
-        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
-        for lane in range(LANES):
-            put(lanes, lane, texels[thread * LANES + lane])
-            position = positions[thread * LANES + lane]
-            for row in range(3):
-                lanes[(width + row) * LANES + lane] = position[row]
-        shade_packet(lanes, sun)
-        total = wp.float32(0.0)
-        for lane in range(LANES):
-            total += radiance(lanes, lane)[0]
         out[thread] = total
 
     return kernel

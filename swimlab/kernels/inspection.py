@@ -40,7 +40,7 @@ def surfaces(
 @functools.cache
 def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     put = put_in(width)
     floats = LANES * rows_of(width)
 
@@ -67,14 +67,18 @@ def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
 
 @functools.cache
 def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that fills a packet a thread from `places` [N, PLACES]; the texels go to `out` [N, width * LANES]."""
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    """The kernel that fills `count` lanes of a packet a thread from `places` [N, PLACES].
+
+    The texels go to `out` [N, width * LANES].
+    """
+    texel_type = TEXELS[width]
     floats = rows_of(width) * LANES
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         texels: wp.array(dtype=texel_type),
         chain: Chain,
+        count: wp.int32,
         places: wp.array2d(dtype=wp.float64),
         out: wp.array2d(dtype=wp.float32),
     ):
@@ -83,7 +87,7 @@ def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
         lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
         for k in range(PLACES):
             own[k] = places[packet, k]
-        fill(texels, chain, own, LANES, lanes)
+        fill(texels, chain, own, count, lanes)
         for k in range(width * LANES):
             out[packet, k] = lanes[k]
 

@@ -24,6 +24,6 @@ def halve(level: wp.int32, chain: Chain, texels: wp.array(dtype=Any)):
 
 HALVE = {
     dtype: wp.overload(halve, {"level": wp.int32, "chain": Chain, "texels": wp.array(dtype=dtype)})
-    for dtype in (*TEXELS.values(), wp.vec4)
+    for dtype in TEXELS.values()
 }
-"""`halve` for every kind of texel and for light with alpha."""
+"""`halve` for every kind of texel."""

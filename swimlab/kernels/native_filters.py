@@ -9,24 +9,16 @@ import functools
 
 import warp as wp
 
+from swimlab.kernels.snippets import LOGARITHM
 from swimlab.kernels.structs import LANES, TEXELS, Chain
 
 wp.set_module_options({"enable_backward": False})
 
-LOG2 = """
-    // log2 of a positive float: Cephes' logf polynomial over sqrt(1/2)..sqrt(2).
-    auto log2_of = [](float x) -> float {
-        int bits; __builtin_memcpy(&bits, &x, 4);
-        const int e = (bits - 0x3f3504f3) >> 23;
-        bits -= e << 23;
-        float m; __builtin_memcpy(&m, &bits, 4);
-        const float f = m - 1.0f;
-        float p = 7.0376836292e-2f;
-        p = p*f - 1.1514610310e-1f; p = p*f + 1.1676998740e-1f; p = p*f - 1.2420140846e-1f;
-        p = p*f + 1.4249322787e-1f; p = p*f - 1.6668057665e-1f; p = p*f + 2.0000714765e-1f;
-        p = p*f - 2.4999993993e-1f; p = p*f + 3.3333331174e-1f;
-        return (f + (p*f - 0.5f)*f*f)*1.44269504f + (float)e;
-    };
+LOG2 = f"""{LOGARITHM}
+    const auto log2_of = [&](float x) {{
+        int e; const float rest = log_of_mantissa(x, e);
+        return rest*1.44269504f + (float)e;
+    }};
 """
 
 FINEST = """
@@ -162,7 +154,7 @@ def _store(name: str, first: int, floats: int) -> str:
 
 
 def _filter(probes: str, width: int) -> wp.Function:
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     parts = [("whole", "vec_a", 0, min(width, 8))]
     if width > 8:
         parts.append(("rest", "vec_b", 8, width - 8))

@@ -24,7 +24,7 @@ def rows_of(width: int) -> int:
 @functools.cache
 def put_in(width: int) -> wp.Function:
     """The function that stores a texel of `width` floats in a lane; native, as so many indexed stores are slow."""
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     snippet = f"for (int row = 0; row < {width}; ++row) lanes.data[{LANES}*row + lane] = texel.c[row];"
 
     @wp.func_native(snippet)
@@ -55,7 +55,7 @@ def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
 
     `texture_filter(texels, chain, surface) -> texel`, of `width` floats.
     """
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     put = put_in(width)
 
     @wp.func(module="unique")
@@ -105,15 +105,11 @@ def plain_packet(reflect: wp.Function, width: int) -> wp.Function:
 
     `reflect(texel, light, view, diffuse)` works in the road's tangent frame on texels of `width` floats.
     """
-    texel_type = TEXELS[width]
-    shade = shade_with(reflect, width)
+    shade, take = shade_with(reflect, width), take_from(width)
 
     @wp.func(module="unique")
     def shade_packet(lanes: wp.array(dtype=wp.float32), sun: Sun):
         for lane in range(LANES):
-            texel = texel_type()
-            for row in range(width):
-                texel[row] = lanes[row * LANES + lane]
             surface = Surface()
             surface.position = wp.vec3d(
                 wp.float64(lanes[width * LANES + lane]),
@@ -121,7 +117,7 @@ def plain_packet(reflect: wp.Function, width: int) -> wp.Function:
                 wp.float64(lanes[(width + 2) * LANES + lane]),
             )
             surface.slope = lanes[(width + 3) * LANES + lane]
-            colour = shade(texel, surface, sun)
+            colour = shade(take(lanes, lane), surface, sun)
             for row in range(3):
                 lanes[row * LANES + lane] = colour[row]
 

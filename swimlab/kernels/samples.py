@@ -59,7 +59,7 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
     before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
     between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
     """
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     locate = locate_before(width)
     floats = LANES * rows_of(width)
 

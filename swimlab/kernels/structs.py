@@ -14,8 +14,8 @@ LeanTexel = wp.types.vector(length=9, dtype=wp.float32)
 TwistTexel = wp.types.vector(length=10, dtype=wp.float32)
 """A Texel, then x and y of the tangent."""
 
-TEXELS = {8: Texel, 9: LeanTexel, 10: TwistTexel}
-"""Texels by their number of floats."""
+TEXELS = {4: wp.vec4, 8: Texel, 9: LeanTexel, 10: TwistTexel}
+"""Texels by their number of floats; 4 are light with alpha."""
 
 Edges = wp.types.matrix(shape=(3, 3), dtype=wp.float64)
 """The three edge functions of a triangle: row k dotted with (x, y, 1) is >= 0 inside edge k."""

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from sequences import asphalt
 from swimlab.brdf import Model
 from swimlab.catalogue import brdfs
-from swimlab.kernels.evaluation import cosines, evaluations, packets
+from swimlab.kernels.evaluation import cosines, evaluations
+from swimlab.kernels.inspection import shaded_samples
 from swimlab.kernels.packet import plain_packet
 from swimlab.kernels.shading import in_local_frame
 from swimlab.kernels.structs import LANES, TEXELS, Sun
@@ -162,7 +163,7 @@ class _Samples:
         sun: Any = Sun()
         sun.direction, sun.diffuse = wp.vec3(*light.mean(axis=0).tolist()), 0.6
         self._sun = sun
-        self._out = launcher.empty(count // LANES, wp.float32)
+        self._out, self._colours = launcher.empty(count // LANES, wp.float32), launcher.empty(count, wp.vec3)
 
     def minimal(self, model: Model) -> Callable[[], None]:
         """Evaluate a model under one albedo, Ks and power in the local frame."""
@@ -171,8 +172,9 @@ class _Samples:
 
     def varied(self, shade_packet: wp.Function, width: int) -> Callable[[], None]:
         """Fill packets with texels and shade them in their own frames."""
-        inputs = [self._texels[width], self._positions, self._sun, self._out]
-        return functools.partial(self._launcher.launch, packets(shade_packet, width), self._count // LANES, inputs)
+        inputs = [self._texels[width], self._positions, self._sun, self._colours]
+        kernel = shaded_samples(shade_packet, width)
+        return functools.partial(self._launcher.launch, kernel, self._count // LANES, inputs)
 
 
 def about_highlights(power: NDArray[Any], *, seed: int) -> tuple[Floats, Floats]:

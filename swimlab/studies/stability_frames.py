@@ -107,7 +107,7 @@ def footprints(launcher: Launcher) -> dict[float, Error]:
             places = np.concatenate([uv + step * across, dx, dy], axis=1)
             packets = np.ascontiguousarray(places.reshape(-1, LANES, 6).transpose(0, 2, 1)).reshape(-1, 6 * LANES)
             out = launcher.zeros((len(packets), 8 * LANES), wp.float32)
-            inputs = [device.texels, device.shape, launcher.array(packets, wp.float64), out]
+            inputs = [device.texels, device.shape, LANES, launcher.array(packets, wp.float64), out]
             launcher.launch(kernel, len(packets), inputs)
             frames.append(out.numpy().reshape(-1, 8, LANES).transpose(0, 2, 1).reshape(-1, 8))
             exact.append(stretched(levels, places[:, :2], dx, dy, 16))

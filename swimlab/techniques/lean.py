@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from swimlab.inputs import Inputs, Level, Maps, slopes
+from swimlab.kernels import snippets
 from swimlab.kernels.shading import half_vector
 from swimlab.kernels.structs import Chain, LeanTexel, Sun
 from swimlab.moments import moment_technique
@@ -54,41 +55,25 @@ def reflect(texel: LeanTexel, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
     return colour
 
 
-NATIVE = """
+NATIVE = f"""{snippets.EXP2}
     float* __restrict a = lanes.data;
     const float lx = sun.direction[0], ly = sun.direction[1], lz = sun.direction[2], diffuse = sun.diffuse;
     #pragma clang loop vectorize(assume_safety) vectorize_width(16)
-    for (int k = 0; k < 64; ++k) {
-        const float slope = a[12*64 + k], tilt = 1.0f/__builtin_sqrtf(1.0f + slope*slope);
-        const float px = a[9*64 + k], py = a[10*64 + k], pz = a[11*64 + k];
-        const float toward = -1.0f/__builtin_sqrtf(px*px + py*py + pz*pz);
-        const float my = (ly + slope*lz)*tilt, mz = (lz - slope*ly)*tilt;
-        // As `half_vector`.
-        const float vx = px*toward, vy = (py + slope*pz)*tilt*toward, vz = (pz - slope*py)*tilt*toward;
-        const float sx = lx + vx, sy = my + vy, sz = mz + vz, dx = lx - vx, dy = my - vy, dz = mz - vz;
-        const float along = 0.25f*(sx*dx + sy*dy + sz*dz);
-        const float hx = sx - along*dx, hy = sy - along*dy, hz = sz - along*dz;
+    for (int k = 0; k < 64; ++k) {{
+{snippets.half_vector(9)}
         const float long_h = __builtin_sqrtf(hx*hx + hy*hy + hz*hz);
         const float bx = a[3*64 + k], by = a[4*64 + k], xx = a[5*64 + k], yy = a[7*64 + k], xy = a[8*64 + k];
         const float up = hz > 1.0e-6f*long_h ? hz : 1.0f, x = hx/up - bx, y = hy/up - by;
         const float least = (xx < yy ? xx : yy)*(xx + yy)*2.4e-7f, exact = xx*yy - xy*xy;
         const float determinant = exact > least ? exact : least;
-        // exp(t) = 2^r 2^g, |g| <= 1/2, by the polynomial of Cephes' exp2f.
-        float t = -0.72134752f*(yy*x*x - 2.0f*xy*x*y + xx*y*y)/determinant;
-        t = t > -126.0f ? t : -126.0f;
-        const float r = __builtin_floorf(t + 0.5f), g = t - r;
-        float p = 1.535336188319500e-4f;
-        p = p*g + 1.339887440266574e-3f; p = p*g + 9.618437357674640e-3f; p = p*g + 5.550332471162809e-2f;
-        p = p*g + 2.402264791363012e-1f; p = p*g + 6.931472028550421e-1f; p = p*g + 1.0f;
-        const int scale = ((int)r + 127) << 23;
-        float two; __builtin_memcpy(&two, &scale, 4);
-        const float specular = hz > 1.0e-6f*long_h ? p*two*a[6*64 + k]/__builtin_sqrtf(determinant) : 0.0f;
+        const float gaussian = exp2(-0.72134752f*(yy*x*x - 2.0f*xy*x*y + xx*y*y)/determinant);
+        const float specular = hz > 1.0e-6f*long_h ? gaussian*a[6*64 + k]/__builtin_sqrtf(determinant) : 0.0f;
         float lambert = (bx*lx + by*my + mz)/__builtin_sqrtf(bx*bx + by*by + 1.0f);
         lambert = (lambert > 0.0f ? (lambert < 1.0f ? lambert : 1.0f) : 0.0f)*diffuse;
         a[k] = a[k]*lambert + specular;
         a[64 + k] = a[64 + k]*lambert + specular;
         a[128 + k] = a[128 + k]*lambert + specular;
-    }
+    }}
 """
 
 

@@ -75,19 +75,14 @@ def lit_targets(shot: Shot, settings: TslSettings, screen: Screen) -> Iterator[L
             need = everywhere(size, 0)
         elif settings.texels == "visible":
             need = np.where(need <= tile_level_of(size), 0, NEVER).astype(np.int32)
-        yield Lit(segment, *_lit(lighting, segment, size, need))
-
-
-def _lit(lighting: Lighting, segment: int, size: int, need: Need) -> tuple[MipChain, Need, int]:
-    target, shaded = lighting.light(segment, size, need)
-    return target, need, shaded
+        target, shaded = lighting.light(segment, size, need)
+        yield Lit(segment, target, need, shaded)
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:
     """Light, reduce and paste one visible segment after another."""
     screen = Screen.of(shot, settings.anisotropy)
-    picture = shot.launcher.empty((shot.view.height, shot.view.width), wp.vec4)
-    picture.zero_()
+    picture = shot.launcher.zeros((shot.view.height, shot.view.width), wp.vec4)
     shaded = 0
     for lit in lit_targets(shot, settings, screen):
         screen.paste(lit.segment, lit.target, picture)

@@ -125,7 +125,7 @@ SENTINEL = -7.5
 @functools.cache
 def guarded_filling(fill, width):
     """A kernel that fills packets of `count` lanes whose rows lie between guards, and shows all of them."""
-    texel_type = wp.vec4 if width == 4 else TEXELS[width]
+    texel_type = TEXELS[width]
     floats = rows_of(width) * LANES
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -151,7 +151,7 @@ def guarded_filling(fill, width):
 def test_native_filters_stay_within_their_chain_and_packet(launcher, filtered, width, clamps):
     """Texels beside the chain are NaN; floats beside the packet keep what they hold."""
     random = np.random.default_rng(0)
-    dtype = wp.vec4 if width == 4 else TEXELS[width]
+    dtype = TEXELS[width]
     chain = MipChain.allocate(launcher, width=16, height=8, dtype=dtype, clamps=clamps)
     chain.texels.fill_(1.0)
     texels = np.full((len(chain.texels) + 2 * GUARD, width), np.nan, np.float32)

@@ -1,17 +1,16 @@
 """Native forms of packets against the plain forms they stand for."""
 
-import functools
-
 import numpy as np
 import pytest
 import warp as wp
 
 from sequences import load
 from swimlab.kernels.footprint import surface_at
+from swimlab.kernels.inspection import filtered_samples
 from swimlab.kernels.locate import PLACES, locate_before
 from swimlab.kernels.packet import rows_of
 from swimlab.kernels.raster import sample_position
-from swimlab.kernels.structs import LANES, TEXELS, Chain, Grid, Planes
+from swimlab.kernels.structs import LANES, TEXELS, Grid, Planes
 from swimlab.kernels.texture_filter import FINEST, ISOTROPIC, anisotropic_to
 from swimlab.texture import MipChain
 
@@ -23,36 +22,6 @@ FILTERS = {
     "three": anisotropic_to(3),
     "sixteen": anisotropic_to(16),
 }
-
-
-def type_of(width):
-    return wp.vec4 if width == 4 else TEXELS[width]
-
-
-@functools.cache
-def filling(fill, width):
-    """A kernel that fills one packet a thread from places [N, PLACES] into [N, width * LANES]."""
-    texel_type = type_of(width)
-    floats = rows_of(width) * LANES
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        texels: wp.array(dtype=texel_type),
-        chain: Chain,
-        count: wp.int32,
-        given: wp.array2d(dtype=wp.float64),
-        out: wp.array2d(dtype=wp.float32),
-    ):
-        packet = wp.tid()
-        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
-        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
-        for k in range(PLACES):
-            places[k] = given[packet, k]
-        fill(texels, chain, places, count, lanes)
-        for k in range(width * LANES):
-            out[packet, k] = lanes[k]
-
-    return kernel
 
 
 def footprints(random, packets):
@@ -75,14 +44,14 @@ def footprints(random, packets):
 @pytest.mark.parametrize("clamps", [False, True])
 def test_filters_are_the_plain_ones(launcher, tolerance, name, width, clamps):
     random = np.random.default_rng(0)
-    chain = MipChain.allocate(launcher, width=64, height=32, dtype=type_of(width), clamps=clamps)
+    chain = MipChain.allocate(launcher, width=64, height=32, dtype=TEXELS[width], clamps=clamps)
     chain.texels[: 64 * 32].assign(random.random((64 * 32, width), np.float32))
     chain.reduce(launcher)
     given = footprints(random, 20)
     filled = []
     for device in ("cpu", "plain"):
         out = launcher.zeros((len(given), width * LANES), wp.float32)
-        kernel = filling(FILTERS[name].fill(width, device), width)
+        kernel = filtered_samples(FILTERS[name].fill(width, device), width)
         launcher.launch(
             kernel,
             len(given),
@@ -95,13 +64,13 @@ def test_filters_are_the_plain_ones(launcher, tolerance, name, width, clamps):
 
 
 def test_a_partial_packet_leaves_the_rest_alone(launcher):
-    chain = MipChain.allocate(launcher, width=8, height=8, dtype=type_of(8), clamps=False)
+    chain = MipChain.allocate(launcher, width=8, height=8, dtype=TEXELS[8], clamps=False)
     chain.texels.fill_(1.0)
     given = footprints(np.random.default_rng(1), 1)
     for device in ("cpu", "plain"):
         out = launcher.zeros((1, 8 * LANES), wp.float32)
         inputs = [chain.texels, chain.shape, 5, launcher.array(given, wp.float64), out]
-        launcher.launch(filling(anisotropic_to(16).fill(8, device), 8), 1, inputs)
+        launcher.launch(filtered_samples(anisotropic_to(16).fill(8, device), 8), 1, inputs)
         lanes = out.numpy().reshape(8, LANES)
         assert (lanes[:, :5] == 1).all()
         assert not lanes[:, 5:].any()
