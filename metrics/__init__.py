@@ -10,6 +10,7 @@ from metrics.registry import METRICS
 from metrics.scale import measure_scales
 from metrics.score import measure
 from metrics.spans import Alignment, align
+from metrics.truth import Truth
 
 __all__ = [
     "METRICS",
@@ -20,6 +21,7 @@ __all__ = [
     "Display",
     "Measurement",
     "Metric",
+    "Truth",
     "align",
     "measure",
     "measure_scales",

@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
-from metrics.clip import Clip, ClipError, FrameSource, Image
+from metrics.clip import Clip, ClipError, FrameSource
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.measurement import Context, Measurement
-from metrics.spans import Alignment, align
+from metrics.spans import Alignment, Span, align
+from metrics.spectra import Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import SIZES
+from metrics.truth import Truth
 
 # A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
 TRAVEL = 25.0
@@ -24,7 +26,7 @@ Progress = Callable[[int, int], None]
 
 def measure(
     test: Clip,
-    reference: Clip | None = None,
+    reference: Clip | Truth | None = None,
     *,
     domain: Domain = "linear",
     display: Display = STANDARD,
@@ -38,6 +40,8 @@ def measure(
     """Measure a test clip, against a reference if there is one.
 
     Motion, coverage and depth are the test's; where it has no coverage or depth, the reference's.
+    reference: a clip; or a `Truth` of the same domain and display, which several tests share and which knows its own
+        reference_error.
     domain: "linear" radiance, or "display": codes in 0..1 as `display` makes them, of both clips.
     reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
         (A + B)/2 is the reference.
@@ -51,13 +55,18 @@ def measure(
     measured and ValueError for an unknown name.
     """
     registry.check_names(names)
-    geometry = _geometry(test, reference)
+    truth = reference if isinstance(reference, Truth) else None
+    if isinstance(reference, Clip):
+        truth = Truth(reference, error=reference_error, domain=domain, display=display)
+    if truth is not None and (truth.domain, truth.display) != (domain, display):
+        raise ValueError(f"the test is measured in the domain {domain}, the truth is of another domain or display")
+    geometry = _geometry(test, truth.reference if truth else None)
     alignment = alignment or align(geometry, keep=False, room=memory / 4)
     steps = alignment.steps
     context = Context(
         count=test.count,
-        has_reference=reference is not None,
-        has_floor=reference is not None and reference_error is not None,
+        has_reference=truth is not None,
+        has_floor=truth is not None and truth.has_floor,
         has_depth=geometry.depth is not None,
         velocity=_velocity(geometry, steps),
         fps=test.fps,
@@ -66,8 +75,9 @@ def measure(
     )
     measures = [measure_type(context) for measure_type in registry.measures(names)]
 
-    def read(t: int) -> list[Image]:
-        return _sources(t, test, reference, reference_error, domain, display)
+    def read(span: Span, t: int) -> Pictures:
+        picture = to_domain(test.planes(t), domain, display, t)
+        return Pictures(span.align(picture, t)) if truth is None else truth.against(span, picture, t)
 
     notes = []
     longest = 0
@@ -122,30 +132,6 @@ def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, flo
     mean = steps[1:].mean(axis=0)
     strayed = np.cumsum(steps[1:] - mean, axis=0)
     return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
-
-
-def _sources(
-    t: int,
-    test: Clip,
-    reference: Clip | None,
-    reference_error: FrameSource | None,
-    domain: Domain,
-    display: Display,
-) -> list[Image]:
-    """Test, error and half-difference of frame t, those that there are, each [3, H, W] in the domain."""
-    picture = to_domain(test.planes(t), domain, display, t)
-    if reference is None:
-        return [picture]
-    exact = reference.planes(t)
-    found = [picture, picture - to_domain(exact, domain, display, t)]
-    if reference_error is not None:
-        half = Clip(reference_error, reference.count).planes(t)
-        if half.shape != exact.shape:
-            raise ClipError(f"the reference's error of frame {t} has another size than the reference")
-        if domain == "display":
-            half = (display.show(exact + half, t) - display.show(exact - half, t)) / 2
-        found.append(half)
-    return found
 
 
 def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
 
-from metrics.clip import Image
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
 from metrics.spans import Span
@@ -26,7 +25,7 @@ _FOLLOWING = 300.0
 # Share of the memory that spectra and places may take at least: less would have frames read too often.
 _LEAST = 0.15
 
-Read = Callable[[int], Sequence[Image]]
+Read = Callable[[Span, int], Pictures]
 Ready = tuple[int, Pictures, list[TileTransform]]
 
 
@@ -36,7 +35,7 @@ class Sweep:
     def __init__(
         self, measures: Sequence[Measure], read: Read, *, pictures: int, memory: float, threads: int | None
     ) -> None:
-        """read: frame -> the test, the error and the half-difference of the reference, `pictures` of them."""
+        """read: a part of a span, frame -> `pictures` pictures, aligned."""
         self._measures, self._read, self._memory = measures, read, memory
         self._frame = 12.0 * pictures
         self._pool = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)))
@@ -83,7 +82,7 @@ class Sweep:
             yield from (t + 1 - part.start for t, *_ in current)
 
     def _ready(self, part: Span, t: int) -> Ready:
-        return t, Pictures(*(part.align(picture, t) for picture in self._read(t))), transforms(part, t)
+        return t, self._read(part, t), transforms(part, t)
 
     def _follow(self, frames: Sequence[Ready], number: int, piece: Piece) -> None:
         """Feed a piece of tiles frame by frame."""

@@ -8,12 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from metrics import Clip, Measurement, align, measure
+from metrics import Clip, Measurement, Truth, align, measure
 from metrics.spans import Span
-from metrics.spectra import Batch
+from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import Level
-from swimlab.frames import Image
 
 VELOCITY = (23 / 32, 19 / 32)
 TRANSFORMS = "transforms alone"
@@ -53,11 +52,12 @@ def time_measures(
     test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
     reference = Clip(lambda _: still, frames, motion=VELOCITY)
 
-    def read(t: int) -> list[Image]:
-        picture = test.planes(t)
-        return [picture, picture - reference.planes(t)]
+    truth = Truth(reference)
 
     def transform() -> None:
+        def read(span: Span, t: int) -> Pictures:
+            return truth.against(span, test.planes(t), t)
+
         with Sweep([_Spectra()], read, pictures=2, memory=memory, threads=threads) as sweep:
             for span in align(test, keep=False).spans:
                 sweep.run(span, lambda _: None)

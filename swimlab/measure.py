@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from metrics import Bloom, Clip, Display, Measurement, align, measure, measure_scales, quantisation
+from metrics import Bloom, Clip, Display, Measurement, Truth, align, measure, measure_scales, quantisation
 from swimlab.files import write_json, write_text
 from swimlab.footage.colour import quantisation_floor
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
@@ -30,7 +30,7 @@ BYTES_PER_PIXEL = 1500
 ALPHA_ROUNDING = 1e-3
 """Alpha is kept as a half: it is 1 within this."""
 KEPT_BYTES = 256_000_000
-"""Bytes of alignment that are kept for the next technique; a longer clip is aligned anew for each."""
+"""Bytes of alignment, and of the reference's frames, that are kept for the next technique; the rest is made anew."""
 
 
 def measure_run(
@@ -96,11 +96,14 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
     """What measures all frames of a technique as one clip; the techniques share their alignment."""
     frames = record.frames
     width, height = record.sequence["size"]
-    reference = read_clip(run, record, REFERENCE, frames) if REFERENCE in record.techniques else None
-    error = reference_error(run, frames) if reference is not None else None
     geometry = read_clip(run, record, record.techniques[0], frames)
     shared = align(geometry) if len(frames) * width * height * 8 < KEPT_BYTES else None
     display = display_of(record)
+    reference = truth = None
+    if REFERENCE in record.techniques:
+        reference = read_clip(run, record, REFERENCE, frames)
+        error = reference_error(run, frames)
+        truth = Truth(reference, error=error, domain=domain, display=display, room=KEPT_BYTES)
     sampled = sorted({0, len(frames) // 2, len(frames) - 1})
     stored_as = "half" if record.settings["half"] else "float"
 
@@ -109,9 +112,7 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
 
     def score(name: str) -> Measurement:
         test = read_clip(run, record, name, frames)
-        found = measure(
-            test, reference, domain=domain, display=display, reference_error=error, alignment=shared, threads=1
-        )
+        found = measure(test, truth, domain=domain, display=display, alignment=shared, threads=1)
         found.scores |= all_peer_scores(peers, test, reference)
         found.merge(quantisation([rounding(test.frame(t)) for t in sampled], len(frames)))
         return found
