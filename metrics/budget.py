@@ -7,6 +7,7 @@ from the static part to flicker, in every octave of |k|, but no more than there 
 in short clips as in long ones, the parts stay at or above 0, and they still add up to the squared error. An error that
 is fixed to the screen is static as far as it does not travel: 2 / (pi K travel) of content even in a disk |k| < K.
 The curve `budget.bands` has the static part and flicker by octave of |k|; both together add up to the squared error.
+The curve `budget.strip` has the rms error by octave (rows) and frame (columns, as in `frames`), four digits.
 """
 
 from collections import defaultdict
@@ -18,7 +19,7 @@ from metrics.measurement import Context, Measurement, Metric
 from metrics.parts import pieces
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy
+from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy, octave_sum
 from metrics.tiles import Level
 
 CUT = 1 / 16
@@ -53,6 +54,7 @@ class Budget:
         self._context = context
         self._ratios: dict[str, Ratios] = defaultdict(Ratios)
         self._frames: dict[int, dict[str, float]] = {}
+        self._strip: dict[int, Energy] = {}
 
     def held(self, level: Level) -> float:
         return (1 + self._context.has_reference) * level.held
@@ -64,6 +66,7 @@ class Budget:
         self._squared, self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(3))
         # Sums over a piece's tiles, frame by frame.
         self._sums = {name: np.zeros((span.count, len(pieces(span)))) for name in ("weight", "mse", "change")}
+        self._octaves = np.zeros((span.count, len(pieces(span)), len(OCTAVES)))
 
     def add(self, batch: Batch) -> None:
         row = (batch.frame - self._span.start, batch.piece)
@@ -76,6 +79,8 @@ class Budget:
         if batch.error is None or squared is None or self._running is None:
             return
         self._sums["mse"][row] = squared.sum()
+        if batch.error_squares is not None:
+            self._octaves[row] = octave_sum(batch.error_squares, self._span.levels[batch.level].size)
         self._running.add(batch, batch.error)
         self._squared[batch.level][batch.tiles] += squared
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
@@ -84,7 +89,9 @@ class Budget:
 
     def end(self) -> None:
         for index in range(self._span.count):
-            entry = self._frames.setdefault(self._span.start + index, dict.fromkeys(self._sums, 0.0))
+            frame = self._span.start + index
+            entry = self._frames.setdefault(frame, dict.fromkeys(self._sums, 0.0))
+            self._strip[frame] = self._strip.get(frame, 0.0) + self._octaves[index].sum(axis=0)
             for name, sums in self._sums.items():
                 entry[name] += float(sums[index].sum())
             if index == 0:
@@ -129,7 +136,9 @@ class Budget:
                 if reason:
                     found.absent[name] = reason
                 else:
-                    found.put(name, values[part], "", error=ratios.error(part))
+                    found.put(name, values[part], "", error=ratios.error(part), replicates=ratios.replicates(part))
+        if not self._reason("mse", "all"):
+            found.curves["budget.strip"] = {"frequency": list(OCTAVES), "error": self._rms_by_octave()}
         if not self._reason("flicker", "all"):
             static, flicker = _octaves(self._ratios["all"])
             found.curves["budget.bands"] = {"frequency": list(OCTAVES), "static": static, "flicker": flicker}
@@ -146,6 +155,14 @@ class Budget:
         if self._ratios[group].weight == 0:
             return "no tile stays wholly covered" + ("" if group == "all" else f" {describe(group)}")
         return _FRAMES if part in ("bias", "detail", "flicker") and self._context.count < 2 else ""
+
+    def _rms_by_octave(self) -> list[list[float | None]]:
+        """[octaves][frames], None in a frame that has no tile."""
+        columns = []
+        for frame in sorted(self._frames):
+            weight = self._frames[frame]["weight"]
+            columns.append([float(f"{np.sqrt(e / weight):.3e}") if weight else None for e in self._strip[frame]])
+        return [list(row) for row in zip(*columns, strict=True)]
 
     def _entry(self, frame: int) -> dict[str, float]:
         sums = self._frames[frame]

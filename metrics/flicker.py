@@ -61,7 +61,8 @@ class ResidualFlicker:
             if reason:
                 found.absent[name] = reason
             else:
-                found.put(name, self._ratios.value(name), "", error=self._ratios.error(name))
+                ratios = self._ratios
+                found.put(name, ratios.value(name), "", error=ratios.error(name), replicates=ratios.replicates(name))
         return found
 
 

@@ -1,8 +1,10 @@
 """What a measure says about its scores, takes in, and gives back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
+from metrics.ratios import jackknife
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level
@@ -28,22 +30,39 @@ class Measurement:
     """Scores, and for each that cannot be had the reason why; ready for JSON, without NaN.
 
     errors: standard errors of scores, in their units; one that is not known is left out, and there is a note.
+    replicates: scores with one block of tiles left out at a time; two measurements of one geometry leave out the same,
+        so that the spread of their differences is that of a difference (see `ratios.jackknife`).
     frames: one entry a frame. curves: name -> axis -> values. notes: what a reader should beware of.
     """
 
     scores: dict[str, float] = field(default_factory=dict)
     absent: dict[str, str] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
+    replicates: dict[str, list[float]] = field(default_factory=dict)
     frames: list[dict[str, Any]] = field(default_factory=list)
     curves: dict[str, dict[str, list[Any]]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
-    def put(self, name: str, value: float | None, reason: str, *, error: float | None = None) -> None:
-        """Set a score and its standard error, or the reason if there is no value."""
+    def put(
+        self,
+        name: str,
+        value: float | None,
+        reason: str,
+        *,
+        error: float | None = None,
+        replicates: Sequence[float] = (),
+    ) -> None:
+        """Set a score and its replicates, or the reason if there is no value.
+
+        error: the standard error; None: the replicates', if there are any.
+        """
         if value is None:
             self.absent[name] = reason
             return
         self.scores[name] = float(value)
+        if replicates:
+            self.replicates[name] = [float(f"{each:.9g}") for each in replicates]
+            error = jackknife(replicates) if error is None else error
         if error is not None:
             self.errors[name] = float(error)
 
@@ -59,6 +78,7 @@ class Measurement:
         self.scores |= other.scores
         self.absent |= other.absent
         self.errors |= other.errors
+        self.replicates |= other.replicates
         self.frames += other.frames
         self.curves |= other.curves
         self.notes += other.notes

@@ -10,14 +10,16 @@ its bin and those around it.
 """
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
-from metrics.spectra import Batch, Spectrum, squares
-from metrics.tiles import Level
+from metrics.spectra import Batch, Picture, squares
+from metrics.tiles import Level, window
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""
@@ -82,7 +84,8 @@ class Moire:
         if batch.level != 0 or batch.error is None or batch.reference is None:
             return
         powers = self._pieces.setdefault(batch.piece, {})
-        power = np.stack([_power(spectra) for spectra in (batch.test, batch.reference, batch.error)])
+        parts = (squares(batch.test), squares(batch.reference), batch.error_squares)
+        power = np.stack([_power(part, batch.error.shape[2:]) for part in parts if part is not None])
         strips = self._strip[batch.tiles]
         for strip in np.unique(strips).tolist():
             summed = power[:, strips == strip].sum(axis=1, dtype=np.float64)
@@ -111,16 +114,17 @@ class Moire:
         independent = self._tiles[size] / 4 if self._tiles[size] > 4 else 1
         peaks = find_peaks(power["error"], independent=independent)
         found.curves["moire.radial"] = radial(power, size)
+        found.curves["moire.map"] = error_map(power["error"])
         found.curves["moire.peaks"] = {
             axis: [peak[i] for peak in peaks] for i, axis in enumerate(("x", "y", "strength"))
         }
         leading = peaks[0] if peaks else None
         values = _values(power, leading)
-        errors = self._errors(size, independent, leading)
+        left = self._replicates(size, independent, leading)
         reasons = {"moire.excess": "the reference has no detail"}
         for name in SCORES:
             why = reasons.get(name, "no peak stands over the local floor")
-            found.put(name, values.get(name), why, error=errors.get(name))
+            found.put(name, values.get(name), why, replicates=left.get(name, ()))
         return found
 
     def _mean(self, size: int, strips: Iterable[int]) -> dict[str, Power]:
@@ -128,8 +132,8 @@ class Moire:
         total = np.sum([self._strips[size][strip] for strip in chosen], axis=0)
         return dict(zip(KINDS, total / sum(self._seen[size][strip] for strip in chosen), strict=True))
 
-    def _errors(self, size: int, independent: float, leading: Peak | None) -> dict[str, float]:
-        """Standard errors; none of a single strip."""
+    def _replicates(self, size: int, independent: float, leading: Peak | None) -> dict[str, list[float]]:
+        """The scores with one strip left out at a time, those that each strip leaves one of; none of a single strip."""
         strips = sorted(self._strips[size])
         if len(strips) < 2:
             return {}
@@ -138,13 +142,13 @@ class Moire:
             power = self._mean(size, [other for other in strips if other != strip])
             followed = leading and follow_peak(power["error"], leading, independent=independent)
             left.append(_values(power, followed))
-        return {name: float(np.sqrt((len(left) - 1) * np.var([values[name] for values in left]))) for name in left[0]}
+        names = set.intersection(*map(set, left))
+        return {name: [values[name] for values in left] for name in names}
 
 
-def _power(spectra: Spectrum) -> NDArray[np.float32]:
-    """[n, L, L/2 + 1], summed over channels."""
-    parts = squares(spectra)
-    return (parts[:, ::2] + parts[:, 1::2]).reshape(len(spectra), *spectra.shape[2:])
+def _power(parts: Picture, shape: tuple[int, ...]) -> Picture:
+    """[n, L, L/2 + 1] from the squares of real and imaginary parts, in turns."""
+    return (parts[:, ::2] + parts[:, 1::2]).reshape(len(parts), *shape)
 
 
 def _values(power: dict[str, Power], leading: Peak | None) -> dict[str, float]:
@@ -170,6 +174,22 @@ def radial(power: dict[str, Power], size: int) -> dict[str, list[float]]:
     for name, values in power.items():
         curves[name] = np.bincount(ring.ravel(), values.ravel(), minlength=rings)[:rings].tolist()
     return curves
+
+
+def error_map(power: Power) -> dict[str, list[Any]]:
+    """The spectrum [L, L/2 + 1] as a picture: decibels to 1 radiance^2 of mean squared error in a bin and channel.
+
+    x: cycles/px to the right, 0 to 1/2, one a column. y: cycles/px down, -1/2 to 1/2, one a row. The other half plane
+    is its mirror image.
+    """
+    size = len(power)
+    half = power / float(np.sum(window(size, 0.0) ** 2)) ** 2
+    half[:, 1:-1] /= 2
+    return {
+        "x": [column / size for column in range(size // 2 + 1)],
+        "y": [row / size - 0.5 for row in range(size)],
+        "level": list(rows_of(np.fft.fftshift(half, axes=0))),
+    }
 
 
 def find_peaks(power: Power, *, independent: float) -> list[Peak]:

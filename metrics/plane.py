@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
+from metrics.motion_slice import MotionSlice
 from metrics.orders import RAISED, Order, Orders, rank, separate
 from metrics.ratios import Ratios
 from metrics.spans import Span
@@ -51,12 +52,14 @@ class Plane:
         self._blurred: set[Order] = set()
         self._chance = 0.0
         self._level_energy = 0.0
+        self._slice = MotionSlice(context)
 
     def held(self, level: Level) -> float:
         orders = 0 if self._orders is None else len(self._orders.groups)
-        return (orders + FRAMES) * level.part(level.sample).held
+        return (orders + FRAMES) * level.part(level.sample).held + self._slice.held(level)
 
     def begin(self, span: Span) -> None:
+        self._slice.begin(span)
         self._level = None
         if self._orders is None or not span.levels or span.count <= len(self._orders.groups):
             return
@@ -73,6 +76,7 @@ class Plane:
         self._fitted = np.zeros((number, self._basis.shape[1], *spectrum), dtype=np.complex64)
 
     def add(self, batch: Batch) -> None:
+        self._slice.add(batch)
         if batch.level != 0 or self._level is None:
             return
         here = slice(self._rank[batch.tiles.start], self._rank[batch.tiles.stop])
@@ -101,6 +105,7 @@ class Plane:
             tile += np.matmul(rows, frames.transpose(1, 2, 0, 3)).transpose(2, 0, 1, 3)
 
     def end(self) -> None:
+        self._slice.end()
         if self._level is None or self._orders is None or not self._level.count:
             return
         inverse = np.linalg.inv(self._orders.gram(self._count))
@@ -146,6 +151,9 @@ class Plane:
 
     def finish(self) -> Measurement:
         found = Measurement()
+        along = self._slice.curve()
+        if along is not None:
+            found.curves["plane.slice"] = along
         reason = self._reason()
         if self._orders is None or reason:
             found.absent = dict.fromkeys(SCORES, reason)
@@ -164,7 +172,7 @@ class Plane:
             why = "" if name == "plane.off" else self._orders.why_not(RANKS[name])
             why = why or _too_short(self._blurred.intersection(members))
             share = None if why else shares[name] / sum(shares.values())
-            found.put(name, share, why, error=self._ratios.error(name))
+            found.put(name, share, why, error=self._ratios.error(name), replicates=self._ratios.replicates(name))
         return found
 
     def _reason(self) -> str:

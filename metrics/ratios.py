@@ -1,7 +1,8 @@
 """Scores that are ratios of sums over tiles, and how far chance may have moved them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +10,14 @@ from numpy.typing import NDArray
 from metrics.tiles import window
 
 Values = NDArray[np.float64]
+Entry = Mapping[str, Any]
 
 SIGMAS = 2.0
-"""A difference must be so many combined standard errors wide to be resolved."""
+"""A difference must be so many of its standard errors wide to be resolved."""
+
+BLOCKS, RUN, FEWEST = 16, 8, 4
+"""Blocks of tiles that are left out in turn, runs of tiles in the order of rows being dealt out to them; with fewer
+blocks that hold any tile there is no jackknife."""
 
 
 class Ratios:
@@ -25,13 +31,21 @@ class Ratios:
         self._parts: dict[str, Values] = {}
         self._tiles = 0
         self._weight = np.zeros(2)
+        self._blocks: dict[str, Values] = {}
+        self._block_weight = np.zeros(BLOCKS)
+        self._seen: dict[int, int] = {}
 
     def add(self, size: int, weight: Values, parts: Mapping[str, Values]) -> None:
         """Take in tiles of one size, each with its weight [n] and parts [n]."""
         raised = overlap(size)
         self._tiles += len(weight)
         self._weight += [weight.sum(), raised * (weight @ weight)]
+        first = self._seen.get(size, 0)
+        self._seen[size] = first + len(weight)
+        block = np.arange(first, first + len(weight)) // RUN % BLOCKS
+        self._block_weight += np.bincount(block, weight, BLOCKS)
         for name, part in parts.items():
+            self._blocks[name] = self._blocks.get(name, np.zeros(BLOCKS)) + np.bincount(block, part, BLOCKS)
             sums = np.array([part.sum(), raised * (part @ part), raised * (part @ weight)])
             self._parts[name] = self._parts.get(name, np.zeros(3)) + sums
 
@@ -52,6 +66,19 @@ class Ratios:
         spread = squared - 2 * ratio * crossed + ratio**2 * self._weight[1]
         return float(np.sqrt(max(0.0, spread) * self._tiles / (self._tiles - 1)) / self.weight)
 
+    def replicates(self, part: str) -> list[float]:
+        """The ratio with one block of tiles left out at a time, for `jackknife`; empty where there are too few."""
+        held = np.flatnonzero(self._block_weight)
+        if len(held) < FEWEST:
+            return []
+        left = self._parts[part][0] - self._blocks[part][held]
+        return [float(each) for each in left / (self.weight - self._block_weight[held])]
+
+
+def jackknife(replicates: Sequence[float] | Values) -> float:
+    """The standard error of what was found anew with each of some blocks left out (Efron & Stein 1981, eq. 1.3)."""
+    return float(np.sqrt((len(replicates) - 1) * np.var(replicates)))
+
 
 @lru_cache(maxsize=8)
 def overlap(size: int) -> float:
@@ -64,21 +91,38 @@ def overlap(size: int) -> float:
     return (1 + 2 * shared / float(square @ square)) ** 2
 
 
-def resolved(score: str, one: Mapping[str, Mapping[str, float]], other: Mapping[str, Mapping[str, float]]) -> bool:
+def difference_error(score: str, one: Entry, other: Entry) -> float | None:
+    """The standard error of a score's difference between two measurements; None where it is not known.
+
+    one, other: entries of scores.json, or vars(Measurement). Where both left out the same blocks it is the spread of
+    the difference, in which what a piece of the surface does to both cancels; else both errors are combined.
+    """
+    pair = [entry.get("replicates", {}).get(score, []) for entry in (one, other)]
+    if pair[0] and len(pair[0]) == len(pair[1]):
+        return jackknife(np.subtract(*pair))
+    errors = [entry.get("errors", {}).get(score) for entry in (one, other)]
+    return None if None in errors else float(np.hypot(*errors))
+
+
+def resolved(score: str, one: Entry, other: Entry) -> bool:
     """Whether two measurements differ in a score by more than chance and the reference's own error explain.
 
-    one, other: entries of scores.json, or vars(Measurement): "scores" and "errors" by name. A difference must be
-    more than SIGMAS combined standard errors, and for a `budget` score more than the larger `budget.floor` of the
-    same band. Where a standard error is not known nothing is resolved. Raises KeyError if either lacks the score.
+    one, other: as for `difference_error`, with "scores". A difference must be more than SIGMAS of its standard errors,
+    and for a `budget` score more than the larger `budget.floor` of the same band. Where the standard error is not known
+    nothing is resolved. Raises KeyError if either lacks the score.
     """
-    difference = abs(one["scores"][score] - other["scores"][score])
-    errors = [entry.get("errors", {}).get(score) for entry in (one, other)]
-    known = [error for error in errors if error is not None]
-    if len(known) < len(errors):
-        return False
+    error = difference_error(score, one, other)
+    floor = reference_floor(score, one["scores"], other["scores"])
+    return error is not None and abs(one["scores"][score] - other["scores"][score]) > max(SIGMAS * error, floor)
+
+
+def reference_floor(score: str, one: Mapping[str, float], other: Mapping[str, float]) -> float:
+    """The reference's own error in a `budget` score of two measurements: the larger `budget.floor` of the same band.
+
+    0 for other scores, which do not have it, and where it is not known.
+    """
     family, _, band = score.partition(".")
-    floor = 0.0
-    if family == "budget":
-        name = ".".join(["budget.floor", *band.split(".")[1:]])
-        floor = max(entry["scores"].get(name, 0.0) for entry in (one, other))
-    return difference > max(SIGMAS * float(np.linalg.norm(known)), floor)
+    if family != "budget":
+        return 0.0
+    name = ".".join(["budget.floor", *band.split(".")[1:]])
+    return max(scores.get(name, 0.0) for scores in (one, other))

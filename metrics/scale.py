@@ -18,7 +18,7 @@ from metrics.measurement import Measurement, Metric
 HIGHLIGHT = 95.0
 """Percentile of the scale-1 reference above which radiance is a highlight."""
 
-# Upright strips that are left out in turn for the standard errors.
+# Upright strips that are left out in turn, for the standard errors (Efron & Stein 1981).
 STRIPS = 8
 
 _SOURCE = "area filter by exact pixel overlap"
@@ -90,7 +90,10 @@ def measure_scales(
         exact = None if reference is None else to_domain(reference[index].image(0), domain, display, index)
         views.append(View(float(scale), picture, filtered, exact, whole))
     found = _report(_rows(views, bright), has_reference=reference is not None)
-    found.errors = _errors(views, bright, found)
+    left = _without_strips(views, bright)
+    for name, value in found.scores.items():
+        if all(name in scores for scores in left):
+            found.put(name, value, "", replicates=[scores[name] for scores in left])
     found.note_unknown_errors()
     return found
 
@@ -125,18 +128,13 @@ def _rows(views: Sequence[View], bright: float) -> list[dict[str, float]]:
     return rows
 
 
-def _errors(views: Sequence[View], bright: float, found: Measurement) -> dict[str, float]:
-    """Standard errors by a jackknife that leaves out one upright strip at a time (Efron & Stein 1981)."""
+def _without_strips(views: Sequence[View], bright: float) -> list[dict[str, float]]:
+    """The scores with one upright strip of the picture left out at a time."""
     has_reference = views[0].exact is not None
-    left = [
+    return [
         _report(_rows([view.without(strip) for view in views], bright), has_reference=has_reference).scores
         for strip in range(STRIPS)
     ]
-    return {
-        name: float(np.sqrt((STRIPS - 1) * np.var([scores[name] for scores in left])))
-        for name in found.scores
-        if all(name in scores for scores in left)
-    }
 
 
 def _check(test: Sequence[Clip], reference: Sequence[Clip] | None, scales: Sequence[float]) -> None:

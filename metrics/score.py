@@ -95,6 +95,7 @@ def measure(
         found.merge(each.finish())
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
+    found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}
     found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.wanted(name, names)}
     found.note_unknown_errors()
     return found

@@ -83,6 +83,11 @@ class Batch:
         return None if self.error is None else self.test - self.error
 
     @cached_property
+    def error_squares(self) -> Picture | None:
+        """Of the error's spectra the squared real and imaginary parts, in turns, summed over channels, [n, 2 bins]."""
+        return None if self.error is None else squares(self.error)
+
+    @cached_property
     def mean(self) -> Energy:
         """[n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best."""
         return self.transform.mean(self._seen)
@@ -178,6 +183,11 @@ def octave_energy(spectra: Spectrum) -> Energy:
     """The same by octave of |k|, [n, octaves]."""
     parts = squares(spectra)
     return np.stack([np.vecdot(parts, member) for member in _members(spectra.shape[-2])], axis=1).astype(np.float64)
+
+
+def octave_sum(squared: Picture, size: int) -> Energy:
+    """[octaves], the energy of squares [n, 2 bins] of tiles of one size, all together."""
+    return np.asarray(np.vecdot(_members(size), squared.sum(axis=0)), dtype=np.float64)
 
 
 def squares(spectra: Spectrum) -> Picture:

@@ -108,7 +108,8 @@ class VisibleFlicker:
         error = self._ratios.error("seen")
         if error is not None and value > 0:
             error = error / (2 * value * light**2)
-        found.put("visible.flicker", value, "", error=error)
+        replicates = [np.sqrt(each) / light for each in self._ratios.replicates("seen")]
+        found.put("visible.flicker", value, "", error=error, replicates=replicates)
         luminance = self._context.luminance
         if luminance is not None and light * luminance < PHOTOPIC:
             found.notes.append(

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -27,15 +28,19 @@ def load(
     *,
     technique_settings: Settings | None = None,
     brdfs: Settings | None = None,
+    changes: Mapping[str, Any] | None = None,
 ) -> Sequence:
     """The sequence of a name in the library or of a `.toml` file. Map files are not read.
 
     `technique_settings` are the known techniques with the model of their settings, `brdfs` the known
-    reflectance models with that of their parameters; what is not given is not checked. Raises SequenceError
+    reflectance models with that of their parameters; what is not given is not checked. `changes` are values
+    that take the place of the file's, by dotted key, as `{"camera.fov": 40.0}`. Raises SequenceError
     with every problem at once, each as `file: key.path: what is wrong (hint)`.
     """
     path = _find(name_or_path)
     data = _read(path)
+    for key, value in (changes or {}).items():
+        _change(data, key, value, path)
     problems: list[str] = []
     sequence = None
     try:
@@ -90,6 +95,15 @@ def _read(path: Path) -> dict[str, Any]:
     except OSError as error:
         names = ", ".join(library())
         raise SequenceError([f"{path}: cannot be read: {error.strerror} (the library has {names})"]) from None
+
+
+def _change(data: dict[str, Any], dotted: str, value: Any, path: Path) -> None:
+    *tables, key = dotted.split(".")
+    for name in tables:
+        data = data.setdefault(name, {})
+        if not isinstance(data, dict):
+            raise SequenceError([f"{path}: {dotted}: {name} is not a table"])
+    data[key] = deepcopy(value)
 
 
 def _technique_problems(given: Any, known: Settings) -> list[str]:

@@ -1,20 +1,54 @@
 """What is there to choose from: techniques and reflectance models by name, found in their folders."""
 
+import os
 from functools import cache
+from importlib import import_module
+from pathlib import Path
 
 import swimlab.brdfs
 import swimlab.techniques
 from sequences import Sequence
 from swimlab.brdf import Brdf, Model
-from swimlab.registry import discover
+from swimlab.registry import discover, extend, retract
 from swimlab.settings import Settings
 from swimlab.technique import Technique
+
+FOLDERS = "SWIMLAB_TECHNIQUES"
+"""Environment variable: folders with techniques of one's own, separated as in PATH."""
 
 
 @cache
 def techniques() -> dict[str, Technique]:
-    """Every technique by its name."""
-    return discover(swimlab.techniques, "TECHNIQUE")
+    """Every technique by its name, those in the folders of SWIMLAB_TECHNIQUES among them.
+
+    Raises ValueError as `extend` and `discover` do, and naming SWIMLAB_TECHNIQUES for whatever is wrong in there.
+    """
+    given = os.environ.get(FOLDERS, "")
+    try:
+        for folder in filter(None, given.split(os.pathsep)):
+            extend(swimlab.techniques, Path(folder))
+        return discover(swimlab.techniques, "TECHNIQUE")
+    except (ValueError, SyntaxError, ImportError, AttributeError) as error:
+        if not given:
+            raise
+        raise ValueError(f"{FOLDERS}={given}: {error}; mend the file, or unset the variable") from error
+
+
+def add_techniques(folder: str | Path) -> list[str]:
+    """Find the techniques in a folder of one's own too, a file each; return their names.
+
+    A folder that is added again is read anew. Raises ValueError as `extend` and `discover` do; the folder is then as if
+    it had not been added.
+    """
+    modules = extend(swimlab.techniques, Path(folder))
+    techniques.cache_clear()
+    try:
+        techniques()
+    except BaseException:
+        retract(swimlab.techniques, Path(folder))
+        techniques.cache_clear()
+        raise
+    return sorted(import_module(module).TECHNIQUE.name for module in modules)
 
 
 @cache

@@ -44,12 +44,13 @@ def write_frame(path: Path, rgba: Image, *, half: bool, metadata: Mapping[str, s
     write_channels(path, rgba, COLOUR, half=half, metadata=metadata)
 
 
-def read_frame(path: Path) -> Image:
+def read_frame(path: Path, *, rows: tuple[int, int] | None = None) -> Image:
     """Read the channels R, G, B, A of a picture as [H, W, 4] linear premultiplied radiance.
 
-    Raises FrameError where the file is missing, broken or lacks a channel.
+    rows: read rows first..end-1 alone, counted from the top. Raises FrameError where the file is missing, broken or
+    lacks a channel.
     """
-    return read_channels(path, COLOUR)
+    return read_channels(path, COLOUR, rows=rows)
 
 
 def write_geometry(path: Path, geometry: Geometry, *, metadata: Mapping[str, str]) -> None:
@@ -90,8 +91,11 @@ def write_channels(
             raise FrameError(f"{path}: cannot be written: {output.geterror()}")
 
 
-def read_channels(path: Path, channels: tuple[str, ...]) -> Image:
-    """Read named channels of an image file as float32 [H, W, len(channels)]; raises FrameError."""
+def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int] | None = None) -> Image:
+    """Read named channels of an image file, or of some of its rows, as float32 [H, W, len(channels)].
+
+    Raises FrameError.
+    """
     import OpenImageIO as oiio  # noqa: N813
 
     source = oiio.ImageInput.open(str(path))
@@ -101,7 +105,11 @@ def read_channels(path: Path, channels: tuple[str, ...]) -> Image:
     missing = [name for name in channels if name not in names]
     if missing:
         raise FrameError(f"{path}: has no channel {', '.join(missing)}; it has {', '.join(names)}")
-    pixels = source.read_image(0, 0, 0, len(names), oiio.FLOAT)
+    if rows is None:
+        pixels = source.read_image(0, 0, 0, len(names), oiio.FLOAT)
+    else:
+        top = source.spec().y
+        pixels = source.read_scanlines(0, 0, top + rows[0], top + rows[1], 0, 0, len(names), oiio.FLOAT)
     source.close()
     if pixels is None:
         raise FrameError(f"{path}: is damaged: {source.geterror()}")

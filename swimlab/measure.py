@@ -50,10 +50,26 @@ def measure_run(
     damaged, ClipError where one cannot be measured, and PeerError for a peer that cannot be had.
     """
     record = Record.read(run)
+    tests = [name for name in record.techniques if name != REFERENCE]
+    entries = measure_techniques(run, record, tests, domain=domain, peers=peers, viewing=viewing, advance=advance)
+    return write_scores(run, record, entries, domain=domain, command=command)
+
+
+def measure_techniques(
+    run: Path,
+    record: Record,
+    tests: Sequence[str],
+    *,
+    domain: Domain = "linear",
+    peers: Sequence[str] = (),
+    viewing: Mapping[str, float] | None = None,
+    advance: Callable[[str], None] = lambda _: None,
+) -> list[dict[str, Any]]:
+    """The entries of scores.json for some techniques of a run; raises as `measure_run`."""
     if not record.frames:
         raise RunError(f"{run}: holds no finished frame; render it first")
-    tests = [name for name in record.techniques if name != REFERENCE]
-    check_complete(run, [*record.techniques, GEOMETRY], record.frames)
+    references = [name for name in record.techniques if name == REFERENCE]
+    check_complete(run, [*tests, *references, GEOMETRY], record.frames)
     if record.resizes and peers:
         raise RunError(f"--peers {','.join(peers)}: frames of different sizes are not a clip; leave it out")
     if record.resizes and viewing:
@@ -68,6 +84,13 @@ def measure_run(
         for name, found in zip(tests, pool.map(score, tests), strict=True):
             entries.append(_entry(record, name, found) | shown)
             advance(name)
+    return entries
+
+
+def write_scores(
+    run: Path, record: Record, entries: list[dict[str, Any]], *, domain: Domain, command: str = ""
+) -> dict[str, Any]:
+    """Write scores.json and frames.csv into a run's folder; return the content of the former."""
     scores = {
         "version": VERSION,
         "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
@@ -80,9 +103,8 @@ def measure_run(
 
 def frames_table(entries: list[dict[str, Any]]) -> str:
     """The per-frame values of all entries as CSV: sequence, technique, frame and one column a value."""
-    columns = ["sequence", "technique", "frame"]
-    for entry in entries:
-        columns += [key for row in entry["frames"] for key in row if key not in columns]
+    values = [key for entry in entries for row in entry["frames"] for key in row]
+    columns = list(dict.fromkeys(["sequence", "technique", "frame", *values]))
     text = io.StringIO()
     table = csv.DictWriter(text, columns, lineterminator="\n")
     table.writeheader()
@@ -210,6 +232,7 @@ def _entry(record: Record, technique: str, found: Measurement) -> dict[str, Any]
         "technique": technique,
         "scores": found.scores,
         "errors": found.errors,
+        "replicates": found.replicates,
         "absent": found.absent,
         "frames": frames,
         "curves": found.curves,

@@ -2,13 +2,16 @@
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
 from math import isqrt
+from pathlib import Path
 from typing import Any
 
-from sequences import Sequence
+from sequences import Sequence, load
 from swimlab import __version__
-from swimlab.catalogue import technique_settings
+from swimlab.catalogue import brdf_settings, technique_settings, techniques
 from swimlab.record import RunError
 from swimlab.settings import Settings
 
@@ -62,6 +65,48 @@ class Plan:
 def _changed(settings: Settings) -> dict[str, Any]:
     defaults = type(settings)().model_dump()
     return {key: value for key, value in settings.model_dump().items() if value != defaults[key]}
+
+
+def load_sequence(name: str | Path) -> Sequence:
+    """A sequence by name or file, checked against the techniques and reflectance models there are.
+
+    Raises SequenceError with every problem at once.
+    """
+    return load(name, technique_settings=technique_settings(), brdfs=brdf_settings())
+
+
+def make_plan(
+    sequence: str | Path | Sequence,
+    only: Iterable[str] | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    frames: str | None = None,
+    samples: int = 64,
+    half: bool = True,
+) -> Plan:
+    """The plan to render techniques of a sequence.
+
+    sequence: a name from the library, a .toml file, or what those are read into. only: techniques by name, None: all.
+    size: width and height in px, None: the sequence's. frames: as "0-7", None: all.
+    Raises SequenceError or RunError for whatever is wrong.
+    """
+    known = techniques()
+    names = set(known if only is None else only)
+    unknown = sorted(names - set(known))
+    if unknown:
+        close = get_close_matches(unknown[0], known, n=1)
+        guess = f"did you mean {close[0]!r}? " if close else ""
+        raise RunError(f"technique {unknown[0]!r}: {guess}there are {', '.join(known)}")
+    loaded = sequence if isinstance(sequence, Sequence) else load_sequence(sequence)
+    if size is not None:
+        loaded = loaded.with_changes(size=size)
+    return Plan(
+        sequence=loaded,
+        techniques=tuple(name for name in known if name in names),
+        frames=parse_frames(frames or f"0-{loaded.frames - 1}", loaded.frames),
+        samples=check_samples(samples),
+        half=half,
+    )
 
 
 def parse_frames(text: str, count: int) -> tuple[int, ...]:

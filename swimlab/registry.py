@@ -2,6 +2,9 @@
 
 import importlib
 import pkgutil
+import sys
+from importlib.util import cache_from_source
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -18,3 +21,31 @@ def discover(package: ModuleType, attribute: str) -> dict[str, Any]:
             raise ValueError(f"{info.name}: {package.__name__} has a {entry.name!r} already")
         found[entry.name] = entry
     return dict(sorted(found.items()))
+
+
+def extend(package: ModuleType, folder: Path) -> list[str]:
+    """Let the modules in a folder be found as if they were the package's own; return their full names.
+
+    A folder that is given again is read anew. Raises ValueError where there is no such folder, no module in it, or one
+    with the name of a module that the package has.
+    """
+    home = str(folder.resolve())
+    others = [path for path in package.__path__ if path != home]
+    names = [info.name for info in pkgutil.iter_modules([home])]
+    if not names:
+        raise ValueError(f"{folder}: is not a folder with a .py file in it")
+    taken = {info.name for info in pkgutil.iter_modules(others)} & set(names)
+    if taken:
+        raise ValueError(f"{folder / min(taken)}.py: {package.__name__} has a file of this name; give it another")
+    package.__path__ = [*others, home]
+    importlib.invalidate_caches()
+    for name in names:
+        sys.modules.pop(f"{package.__name__}.{name}", None)
+        # Python tells a changed file by its size and second, which is too coarse for one that is being written.
+        Path(cache_from_source(f"{home}/{name}.py")).unlink(missing_ok=True)
+    return [f"{package.__name__}.{name}" for name in names]
+
+
+def retract(package: ModuleType, folder: Path) -> None:
+    """Undo `extend`."""
+    package.__path__ = [path for path in package.__path__ if path != str(folder.resolve())]

@@ -55,7 +55,7 @@ def render_run(
         material = load_material(plan.sequence, launcher, twisted=model.anisotropic)
         record = open_record(plan, run, force=force, command=command)
         record.write(run)
-        renders = {name: _begin(plan.sequence, name) for name in plan.techniques}
+        renders = {name: begin(plan.sequence, name) for name in plan.techniques}
         times: dict[str, list[float]] = {name: [] for name in plan.techniques}
         shaded: dict[str, list[int]] = {name: [] for name in plan.techniques}
         try:
@@ -71,7 +71,7 @@ def render_run(
                         picture = renders[name](shot)
                         times[name].append(1e3 * (time.perf_counter() - started))
                         shaded[name].append(picture.shaded)
-                        _check_range(picture, name, frame, half=plan.half)
+                        check_range(picture, name, frame, half=plan.half)
                         _keep_error(run, frame, picture, record, metadata)
                         write_frame(path, picture.rgba, half=plan.half, metadata=metadata)
                     elif name == REFERENCE:
@@ -131,6 +131,23 @@ def rms_error(rgba: Image, error: Image) -> float:
     return float(np.sqrt(np.mean(np.square(error[covered][:, :3], dtype=np.float64)))) if covered.any() else 0.0
 
 
+def begin(sequence: Sequence, name: str) -> Callable[[Shot], Picture]:
+    """What renders the sequence's shots under a technique with the settings that the sequence gives it."""
+    technique = techniques()[name]
+    settings = technique.settings.model_validate(sequence.techniques.get(name, {}))
+    render = technique.begin()
+    return lambda shot: render(shot, settings)
+
+
+def check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:
+    """Raise RunError for a picture that holds a NaN or Inf, or, with `half`, more than a 16-bit float does."""
+    brightest = float(np.abs(picture.rgba).max())
+    if not np.isfinite(brightest):
+        raise RunError(f"{name}, frame {frame}: came out with a NaN or Inf; look for extreme values in the maps")
+    if half and brightest > float(np.finfo(np.float16).max):
+        raise RunError(f"{name}, frame {frame}: is too bright for 16-bit floats (over 65504); render with --float")
+
+
 def _earlier(run: Path, *, force: bool) -> Record | None:
     """The record that the folder holds, if any; `force` goes over a broken one."""
     if not (run / "run.json").exists():
@@ -141,21 +158,6 @@ def _earlier(run: Path, *, force: bool) -> Record | None:
         if force:
             return None
         raise
-
-
-def _begin(sequence: Sequence, name: str) -> Callable[[Shot], Picture]:
-    technique = techniques()[name]
-    settings = technique.settings.model_validate(sequence.techniques.get(name, {}))
-    render = technique.begin()
-    return lambda shot: render(shot, settings)
-
-
-def _check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:
-    brightest = float(np.abs(picture.rgba).max())
-    if not np.isfinite(brightest):
-        raise RunError(f"{name}, frame {frame}: came out with a NaN or Inf; look for extreme values in the maps")
-    if half and brightest > float(np.finfo(np.float16).max):
-        raise RunError(f"{name}, frame {frame}: is too bright for 16-bit floats (over 65504); render with --float")
 
 
 def _keep_error(run: Path, frame: int, picture: Picture, record: Record, metadata: dict[str, str]) -> None:

@@ -21,6 +21,11 @@ TOLERANCES: dict[str, Tolerance] = {
     "slope of a power": Tolerance(1e-6, "least squares in doubles; logs of neighbours near 1e6 differ by 1e-6 of 14"),
     "drawn length": Tolerance(1e-3, "lengths of some hundred units are written with two decimals"),
     "error code": Tolerance(1e-6, "1 + error is rounded to float32"),
+    "a code of 8 bit": Tolerance(1.0, "a colour is blended or exposed in codes and rounded once more"),
+    "a step of the legend": Tolerance(3.0, "252 columns over colours 120 codes apart in a quarter of the range"),
+    "a CSS pixel": Tolerance(1.0, "the mouse stands on whole pixels, a zoom of up to 2 enlarges what that leaves"),
+    "a pinch": Tolerance(0.1, "a first move is spent on telling a pinch from a scroll"),
+    "printed error": Tolerance(5.1e-4, "three decimals"),
     "surface in double": Tolerance(1e-9, "double precision, planes of metres over a road of 240 m, once inverted"),
     "mean of uniform numbers": Tolerance(0.03, "5 standard errors over 2304 draws"),
     "correlation of random numbers": Tolerance(0.1, "5 standard errors over 2304 draws"),
@@ -133,6 +138,10 @@ TOLERANCES: dict[str, Tolerance] = {
     "frame after 10,000 km": Tolerance(1e-5, "of the brightest; what is asked of 1e7 m, met at 8e8 m"),
     "flicker on a bright picture": Tolerance(2e-4, "relative; a picture 1e5 times as bright, 4e-5 measured"),
     "rate of convergence": Tolerance(0.1, "exponent"),
+    "drawn place": Tolerance(0.2, "places are written with one decimal; as cycles at most half of that"),
+    "whole decibels": Tolerance(0.12, "relative; half a decibel, the rounding of a curve that is a picture"),
+    "band of a window": Tolerance(0.02, "relative; a tile's window spreads a line from the middle of its octave"),
+    "next frame's leak": Tolerance(1e-5, "of the error; pictures are held in float32"),
     "mean of dither": Tolerance(5.0, "standard errors, the largest of 64"),
 }
 

@@ -1,20 +1,33 @@
 """`swimlab doctor`."""
 
+import json
 from collections.abc import Callable
+from typing import Annotated
+
+from cyclopts import Parameter
 
 CHECKS: dict[str, Callable[[], str]] = {}
 
 
-def doctor_command() -> int:
-    """Check that everything swimlab needs works on this machine. Exit code 2 if anything fails."""
-    failures = 0
+def doctor_command(*, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False) -> int:
+    """Check that everything swimlab needs works on this machine. Exit code 2 if anything fails.
+
+    Parameters
+    ----------
+    json_output:
+        Print the checks as JSON.
+    """
+    found = []
     for name, check in CHECKS.items():
         try:
-            print(f"ok    {name}: {check()}")
+            found.append({"check": name, "ok": True, "said": check()})
         except Exception as error:  # whatever breaks is what the doctor is asked about
-            failures += 1
-            print(f"FAIL  {name}: {type(error).__name__}: {error}")
-    return 2 if failures else 0
+            found.append({"check": name, "ok": False, "said": f"{type(error).__name__}: {error}"})
+        if not json_output:
+            print("{} {check}: {said}".format("ok   " if found[-1]["ok"] else "FAIL ", **found[-1]))
+    if json_output:
+        print(json.dumps(found, indent=1))
+    return 0 if all(each["ok"] for each in found) else 2
 
 
 def _check(name: str) -> Callable[[Callable[[], str]], Callable[[], str]]:

@@ -1,19 +1,28 @@
 """`swimlab info`."""
 
+import json
 from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
 
 
-def info_command(what: str, /) -> int:
+def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False) -> int:
     """Say what a sequence, a run folder or frames of your own hold.
 
     Parameters
     ----------
     what:
         A run folder, the name of a sequence in the library, a .toml file; or frames: a pattern, a folder, a file.
+    json_output:
+        Print it as JSON, a run folder's run.json in full.
     """
     from swimlab.footage.pattern import holds_frames
     from swimlab.record import Record
 
+    if json_output:
+        print(json.dumps(_as_json(what), indent=1, allow_nan=False))
+        return 0
     if holds_frames(what):
         print_frames(what)
         return 0
@@ -35,6 +44,19 @@ def info_command(what: str, /) -> int:
     return 0
 
 
+def _as_json(what: str) -> dict[str, Any]:
+    from swimlab.footage.describe import describe
+    from swimlab.footage.pattern import holds_frames
+    from swimlab.plan import load_sequence
+    from swimlab.record import Record
+
+    if holds_frames(what):
+        return dict(describe(what))
+    if not Path(what).is_dir():
+        return load_sequence(what).model_dump(mode="json")
+    return {**vars(Record.read(Path(what))), "measured": (Path(what) / "scores.json").is_file()}
+
+
 def print_frames(name: str) -> None:
     """Print what frames were taken for: range, channels, size, type, colour space, motion convention."""
     from swimlab.footage.describe import describe
@@ -45,9 +67,7 @@ def print_frames(name: str) -> None:
 
 def print_sequence(name: str) -> None:
     """Print a sequence with every default filled in, as TOML-like lines of key = value."""
-    import json
-
-    from swimlab.cli.options import load_sequence
+    from swimlab.plan import load_sequence
 
     def walk(table: dict[str, object], prefix: str) -> None:
         for key, value in table.items():

@@ -1,22 +1,30 @@
 """`swimlab list`."""
 
-from typing import Literal
+import json
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 Kind = Literal["techniques", "sequences", "brdfs", "metrics"]
 
 
-def list_command(kind: Kind, /) -> int:
+def list_command(kind: Kind, /, *, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False) -> int:
     """List what there is to choose from.
 
     Parameters
     ----------
     kind:
         What to list.
+    json_output:
+        Print it as JSON instead of a table.
     """
     from rich.console import Console
     from rich.table import Table
 
     columns, rows = _rows(kind)
+    if json_output:
+        print(json.dumps([dict(zip(columns, row, strict=True)) for row in rows], indent=1))
+        return 0
     table = Table(*columns, box=None, pad_edge=False)
     for row in rows:
         table.add_row(*row)

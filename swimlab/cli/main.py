@@ -13,12 +13,16 @@ from swimlab import __version__
 from swimlab.cli.bench_command import bench_command
 
 COMMANDS = {
+    "demo": "Render, measure and report a small road in under a minute, and say what to look at.",
     "study": "Render the techniques and the reference, measure them and write a report.",
     "render": "Render a sequence under one or several techniques into a run folder.",
     "measure": "Measure the techniques of a run folder against its reference, or frames of your own.",
     "report": "Write the report of run folders that have been measured.",
     "gate": "Hold the scores of runs to a gate file, for CI.",
+    "compare": "Show the scores of runs side by side, or of a run against its history.",
+    "table": "Query the scores of many runs in SQL.",
     "baseline": "Record the scores of runs as the baseline of a gate.",
+    "sweep": "Render and measure a grid of sequences, techniques and settings, here or on a cluster.",
     "list": "List techniques, sequences, brdfs or metrics.",
     "info": "Say what a sequence, a run folder or frames of your own hold.",
     "selftest": "Measure clips with known answers and show both.",

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from sequences import Sequence
     from swimlab.plan import Plan
 
 
@@ -34,6 +33,10 @@ class Rendering:
         Render everything anew, over whatever the folder holds.
     quiet:
         Show no progress.
+    verbose:
+        Say each picture when it is done, for logs.
+    dry_run:
+        Say what would be rendered, and render nothing.
     """
 
     frames: str | None = None
@@ -44,32 +47,24 @@ class Rendering:
     float32: Annotated[bool, Parameter(name="--float", negative="")] = False
     force: Annotated[bool, Parameter(negative="")] = False
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False
+    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False
+    dry_run: Annotated[bool, Parameter(negative="")] = False
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> "Plan":
         """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
-        from swimlab.plan import Plan, check_samples, parse_frames
+        from swimlab.plan import make_plan
         from swimlab.record import RunError
 
-        sequence = load_sequence(sequence_name)
-        if self.size is not None:
-            sequence = sequence.with_changes(size=parse_size(self.size))
         if self.threads is not None and self.threads < 1:
             raise RunError(f"--threads {self.threads}: must be at least 1")
-        return Plan(
-            sequence=sequence,
-            techniques=techniques,
-            frames=parse_frames(self.frames or f"0-{sequence.frames - 1}", sequence.frames),
-            samples=check_samples(self.samples),
+        return make_plan(
+            sequence_name,
+            techniques,
+            size=None if self.size is None else parse_size(self.size),
+            frames=self.frames,
+            samples=self.samples,
             half=not self.float32,
         )
-
-
-def load_sequence(name: str) -> "Sequence":
-    """A sequence by name or file, checked against the techniques and reflectance models there are."""
-    from sequences import load
-    from swimlab.catalogue import brdf_settings, technique_settings
-
-    return load(name, technique_settings=technique_settings(), brdfs=brdf_settings())
 
 
 def technique_names(text: str | None) -> tuple[str, ...]:

@@ -3,11 +3,15 @@
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import count
 
 
 @contextmanager
-def progress(what: str, total: int, *, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A bar of `total` steps; call what it yields with a word on the step just done."""
+def progress(what: str, total: int, *, quiet: bool, verbose: bool = False) -> Iterator[Callable[[str], None]]:
+    """A bar of `total` steps; call what it yields with a word on the step just done.
+
+    verbose: a line a step in place of the bar, for logs.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -19,8 +23,16 @@ def progress(what: str, total: int, *, quiet: bool) -> Iterator[Callable[[str], 
         TextColumn("{task.fields[step]}"),
     )
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=quiet or not sys.stderr.isatty()) as bar:
+    hidden = quiet or verbose or not sys.stderr.isatty()
+    done = count(1)
+
+    def advance(step: str) -> None:
+        bar.update(task, advance=1, step=step)
+        if verbose:
+            print(f"{what}: {next(done)}/{total} {step}", file=sys.stderr)
+
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task(what, total=total, step="")
-        yield lambda step: bar.update(task, advance=1, step=step)
+        yield advance
     if not quiet:
         print(f"{what}: done", file=sys.stderr)

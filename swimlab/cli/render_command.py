@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from swimlab.cli.dry_run import print_plans
 from swimlab.cli.options import Rendering, run_folder, technique_names
 from swimlab.cli.progress import progress
 
@@ -45,6 +46,9 @@ def render_command(
         from swimlab.texture_pictures import check_targets
 
         check_targets(plan)
+    if rendering.dry_run:
+        print_plans([plan], [run], force=rendering.force)
+        return 0
     render_with_progress(plan, run, rendering)
     if targets:
         _targets_with_progress(plan, run, rendering)
@@ -66,7 +70,8 @@ def render_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
     from swimlab.run import render_run
 
     steps = len(plan.frames) * len(plan.techniques)
-    with progress(f"rendering {plan.sequence.name}", steps, quiet=rendering.quiet) as advance:
+    quiet, verbose = rendering.quiet, rendering.verbose
+    with progress(f"rendering {plan.sequence.name}", steps, quiet=quiet, verbose=verbose) as advance:
         render_run(
             plan,
             run,

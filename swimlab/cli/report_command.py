@@ -1,17 +1,19 @@
 """`swimlab report`."""
 
-import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
-from swimlab.record import VERSION, RunError
+from swimlab.record import RunError
+from swimlab.results import merge_scores, read_scores, run_folders
 
 
 def report_command(
     *runs: Path,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    folder: Annotated[bool, Parameter(negative="")] = False,
+    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
     """Write the report of run folders that have been measured.
 
@@ -20,47 +22,26 @@ def report_command(
     runs:
         Run folders, or a folder of run folders as 'swimlab study' writes.
     output:
-        The page to write (default: report.html in the first folder).
+        The page to write (default: report.html in the first folder), or with --folder the folder (default: report).
+    folder:
+        Write a folder with every frame, to be opened at its index.html, in place of one page with some 20 MB of them.
+    quiet:
+        Show no progress.
     """
-    from swimlab.report.page import write_report
+    from swimlab.cli.progress import progress
+    from swimlab.report.bundle import PAGE
+    from swimlab.report.page import write_report, write_report_folder
 
     if not runs:
         raise RunError("report: name at least one run folder")
-    folders = [folder for run in runs for folder in run_folders(run)]
-    page = output or runs[0] / "report.html"
-    write_report(folders, merge_scores([read_scores(folder) for folder in folders]), page)
+    folders = [path for run in runs for path in run_folders(run)]
+    scores = merge_scores([read_scores(path) for path in folders])
+    if folder:
+        page = (output or runs[0] / "report") / PAGE
+        with progress("report", len(folders), quiet=quiet) as advance:
+            write_report_folder(folders, scores, page.parent, advance=advance)
+    else:
+        page = output or runs[0] / "report.html"
+        write_report(folders, scores, page)
     print(page)
     return 0
-
-
-def run_folders(folder: Path) -> list[Path]:
-    """The folder itself where it is a run, else the runs in it. Raises RunError where there is none."""
-    if (folder / "run.json").is_file():
-        return [folder]
-    found = sorted(path.parent for path in folder.glob("*/run.json"))
-    if not found:
-        raise RunError(f"{folder}: holds no run.json, nor does a folder in it; make a run with 'swimlab study'")
-    return found
-
-
-def read_scores(run: Path) -> dict[str, Any]:
-    """The content of a run's scores.json. Raises RunError where it is missing or damaged."""
-    path = run / "scores.json"
-    try:
-        scores: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise RunError(f"{path}: is missing; measure the run first: swimlab measure {run}") from error
-    except ValueError as error:
-        raise RunError(f"{path}: is not JSON ({error}); measure the run again") from error
-    if scores.get("version") != VERSION:
-        raise RunError(f"{path}: has version {scores.get('version')!r}, this swimlab reads {VERSION}; measure again")
-    return scores
-
-
-def merge_scores(all_scores: list[dict[str, Any]]) -> dict[str, Any]:
-    """One scores.json content over several runs, with the first one's provenance and every run's hash."""
-    provenance = dict(all_scores[0]["provenance"])
-    provenance.pop("rendering", None)
-    provenance["hash"] = ", ".join(scores["provenance"]["hash"] for scores in all_scores)
-    entries = [entry for scores in all_scores for entry in scores["sequences"]]
-    return {"version": VERSION, "provenance": provenance, "sequences": entries}

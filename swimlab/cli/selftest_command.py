@@ -12,6 +12,7 @@ from swimlab.selftest import Check
 def selftest_command(
     *,
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
+    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
     """Measure clips made in memory whose scores are known, and show both. Exit code 1 if one is off.
 
@@ -19,6 +20,8 @@ def selftest_command(
     ----------
     json_output:
         Print the checks as JSON instead of a table.
+    quiet:
+        Show only the checks that are off.
     """
     from swimlab.selftest import checks
 
@@ -26,7 +29,9 @@ def selftest_command(
     if json_output:
         print(json.dumps([{**asdict(check), "ok": check.good} for check in done], indent=1, allow_nan=False))
     else:
-        _print_table(done)
+        _print_table([check for check in done if not check.good] if quiet else done)
+        off = sum(not check.good for check in done)
+        print(f"{len(done)} checks, all as expected" if not off else f"{len(done)} checks, {off} OFF")
     return 0 if all(check.good for check in done) else 1
 
 
@@ -48,10 +53,8 @@ def _print_table(done: list[Check]) -> None:
             f"{check.tolerance:.2g}" if check.tolerance else "",
             "ok" if check.good else "OFF",
         )
-    console = Console(width=max(Console().width, 110))
-    console.print(table)
-    off = sum(not check.good for check in done)
-    console.print(f"{len(done)} checks, all as expected" if not off else f"{len(done)} checks, {off} OFF")
+    if done:
+        Console(width=max(Console().width, 110)).print(table)
 
 
 def _words(value: float | None) -> str:

@@ -1,17 +1,19 @@
 """`swimlab study`."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
+from swimlab.cli.dry_run import print_plans
 from swimlab.cli.measure_command import measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
-from swimlab.cli.report_command import merge_scores
 from swimlab.files import write_json
 from swimlab.measure import Domain
 from swimlab.record import REFERENCE
+from swimlab.results import merge_scores
 
 ROAD = ("road-shift", "road-drive", "road-scale")
 SHEET_FRAMES = 3
@@ -22,6 +24,7 @@ def study_command(
     techniques: Annotated[str | None, Parameter(name=["--techniques", "-t"])] = None,
     output: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("runs/study"),
     domain: Domain = "linear",
+    json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     rendering: Rendering | None = None,
 ) -> int:
     """Render the techniques and the reference, measure them and write a report.
@@ -38,6 +41,8 @@ def study_command(
         Folder to write.
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
+    json_output:
+        Print the scores as JSON instead of a table.
     """
     from swimlab.cli.scores import print_scores
     from swimlab.report.contact import write_contact_sheet
@@ -47,6 +52,9 @@ def study_command(
     names = technique_names(None if techniques is None else f"{techniques},{REFERENCE}")
     plans = [rendering.plan(name, names) for name in sequences or ROAD]
     folders = [output if len(plans) == 1 else output / plan.sequence.name for plan in plans]
+    if rendering.dry_run:
+        print_plans(plans, folders, force=rendering.force)
+        return 0
     for plan, run in zip(plans, folders, strict=True):
         render_with_progress(plan, run, rendering)
     all_scores = [measure_with_progress(run, domain, quiet=rendering.quiet) for run in folders]
@@ -57,6 +65,9 @@ def study_command(
     for plan, run in zip(plans, folders, strict=True):
         rows = sorted(names, key=lambda name: name == REFERENCE)
         write_contact_sheet(run, run / "contact.png", techniques=rows, frames=plan.frames[:SHEET_FRAMES])
+    if json_output:
+        print(json.dumps(merged, indent=1, allow_nan=False))
+        return 0
     print_scores(all_scores)
     print(output / "report.html")
     return 0

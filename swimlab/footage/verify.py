@@ -23,17 +23,21 @@ CLEAR = 0.8
 """A reading wins clearly where its residual is under this share of the given one's: two thirds of the energy."""
 
 TRAVEL = 1.5
-"""Frames are compared so far apart that the median point travels this far, px."""
+"""Frames are compared so far apart that a quarter of the covered points travels this far, px: the rest may be sky."""
 APART = 16
 """... but no more frames apart than this."""
 LEAST = 0.2
 """Less travel than this cannot be told from none, px."""
+
+WHOLE = 1 - 1e-6
+"""Coverage from which on a pixel is wholly covered."""
 
 _PAIRS = 3
 _POINTS = 20_000
 _FLAT = 1e-6
 _HIDDEN = 0.1
 """Share of the points that may have come into view, or be at an edge of the motion."""
+_MOVING = 0.75
 _SEEN = 0.05
 """Share of the points that must stay in the frame under every reading."""
 
@@ -92,7 +96,7 @@ def verify(
     variants = motion.variants()
     readings = {GIVEN: motion} | {name: other for name, (_, other) in variants.items()}
     settings = {name: setting for name, (setting, _) in variants.items()}
-    apart, travel = _far_enough(motion, picture(frames[0]).shape[:2], frames)
+    apart, travel = _far_enough(motion, picture(frames[0]).shape[:2], coverage, frames)
     if travel < LEAST:
         still = _compare({}, _Pair(picture, coverage, frames[apart], frames[0]))
         change = "" if still is None else f", while {np.sqrt(still[0][IDENTITY] / still[1]):.3f} of it changes"
@@ -127,7 +131,7 @@ class _Pair:
         first, second = (picture(index).mean(axis=2, dtype=np.float64) for index in (late, early))
         typical = float(np.abs(first).mean()) or 1.0
         self.first, self.second = (grey / (typical + np.abs(grey)) for grey in (first, second))
-        self.covered = [None if coverage is None else coverage(index) >= 1 - 1e-6 for index in (late, early)]
+        self.covered = [None if coverage is None else coverage(index) >= WHOLE for index in (late, early)]
 
 
 def _compare(readings: dict[str, Motion], pair: _Pair) -> tuple[dict[str, float], float] | None:
@@ -158,15 +162,20 @@ def _mean_square(differences: NDArray[np.float64]) -> float:
     return float(np.partition(differences**2, kept - 1)[:kept].mean())
 
 
-def _far_enough(motion: Motion, shape: tuple[int, ...], frames: list[int]) -> tuple[int, float]:
-    """How many frames to compare apart, and how far the median point travels in them, px."""
+def _far_enough(
+    motion: Motion, shape: tuple[int, ...], coverage: Callable[[int], Image] | None, frames: list[int]
+) -> tuple[int, float]:
+    """How many frames to compare apart, and how far a quarter of the covered points travels in them at least, px."""
     end = len(frames) // 2
     points = _grid(shape)
+    if coverage is not None:
+        covered = coverage(frames[end])[tuple(points.astype(np.intp))] >= WHOLE
+        points = points[:, covered] if covered.any() else points
     place, apart, travel = points, 0, 0.0
     while apart < min(APART, end) and travel < TRAVEL:
         place = motion.back(place, frames[end - apart], frames[end - apart - 1])
         apart += 1
-        travel = float(np.median(np.hypot(*(place - points))))
+        travel = float(np.quantile(np.hypot(*(place - points)), _MOVING))
     return apart, travel
 
 

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from sequences import load
-from swimlab.catalogue import brdf_settings, technique_settings, techniques
+from swimlab.catalogue import techniques
 from swimlab.gate.outcome import Outcome, run_gate
 from swimlab.gate.rules import GateError
 from swimlab.measure import Domain, measure_run
-from swimlab.plan import Plan, check_samples, parse_frames
+from swimlab.plan import make_plan
 from swimlab.record import REFERENCE, provenance
 from swimlab.run import render_run
 
@@ -34,16 +33,8 @@ def render_and_measure(
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:
         raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")
-    loaded = load(sequence, technique_settings=technique_settings(), brdfs=brdf_settings())
-    if size is not None:
-        loaded = loaded.with_changes(size=size)
-    names = set(techniques()) if only is None else {*only, REFERENCE}
-    plan = Plan(
-        sequence=loaded,
-        techniques=tuple(name for name in techniques() if name in names),
-        frames=parse_frames(frames or f"0-{loaded.frames - 1}", loaded.frames),
-        samples=check_samples(samples),
-    )
+    names = None if only is None else [*only, REFERENCE]
+    plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
     render_run(plan, run, threads=threads, command=COMMAND)
     measure_run(run, domain=domain, command=COMMAND)
 

@@ -1,7 +1,7 @@
 """Scores of runs as the gate sees them: of which clip, under which settings, and where its frames lie."""
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from math import isfinite
@@ -48,7 +48,8 @@ class Settings:
 class Entry:
     """A technique's scores on a sequence; a score that is null or not finite in the file is NaN here.
 
-    frames, curves: as in scores.json. folder: the run folder with its pictures, if there is one.
+    frames, curves: as in scores.json. errors, replicates: of the scores that have them. folder: the run folder with
+    its pictures, if there is one.
     """
 
     sequence: str
@@ -58,6 +59,8 @@ class Entry:
     settings: Settings
     frames: Sequence[dict[str, Any]] = ()
     curves: dict[str, dict[str, list[Any]]] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    replicates: dict[str, list[float]] = field(default_factory=dict)
     folder: Path | None = None
     provenance: dict[str, Any] = field(default_factory=dict)
 
@@ -72,8 +75,8 @@ def read_entries(run: Path) -> list[Entry]:
 
     Raises GateError where scores are missing, damaged, empty, or older than the run they lie in.
     """
-    path = run if run.suffix == ".json" else run / "scores.json"
-    content = _read(path)
+    path = scores_path(run)
+    content = read_content(path)
     try:
         entries = content["sequences"]
         names = list(dict.fromkeys(entry["sequence"] for entry in entries))
@@ -105,7 +108,19 @@ def read_all(runs: Iterable[Path]) -> list[Entry]:
     return entries
 
 
-def _read(path: Path) -> dict[str, Any]:
+def number(values: Mapping[str, float], name: str) -> float | None:
+    """A value by name; None where it is not there or not a number."""
+    value = values.get(name)
+    return None if value is None or not isfinite(value) else value
+
+
+def scores_path(run: Path) -> Path:
+    """The file of scores of a run folder or a study's folder; the file itself where that is given."""
+    return run if run.suffix == ".json" else run / "scores.json"
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """What a scores.json file holds. Raises GateError where it cannot be read or is of another version."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -141,6 +156,8 @@ def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: 
         settings=Settings(digest, _domain(provenance, content), _extent(frames, curves)),
         frames=frames,
         curves=curves,
+        errors={name: _number(value) for name, value in content.get("errors", {}).items()},
+        replicates=content.get("replicates", {}),
         folder=folder,
         provenance=provenance,
     )

@@ -98,12 +98,14 @@ def line_chart(lines: Sequence[Line], *, x: Axis, y: Axis, title: str) -> str:
     for line, some in kept:
         path = "L".join(f"{px:.1f} {py:.1f}" for px, py in (plane.place(*point) for point in some))
         dash = f' stroke-dasharray="{line.dash}"' if line.dash else ""
+        body.append(group(line.label))
         if path:
             body.append(f'<path class="line" d="M{path}" stroke="{line.colour}"{dash}/>')
         for point in some:
             px, py = plane.place(*point)
             hover = escape(f"{line.label}: {number(point[1])} at {number(point[0])}")
             body.append(f'<circle cx="{px:.1f}" cy="{py:.1f}" fill="{line.colour}"><title>{hover}</title></circle>')
+        body.append("</g>")
     return drawing(plane.size, title, body)
 
 
@@ -122,6 +124,7 @@ def stacked_bars(bars: Sequence[Bar], *, label: str, title: str) -> str:
         body.append(drawn_text(at, height - BOTTOM + 16, text, "middle"))
     for row, bar in enumerate(bars):
         top = TOP + row * (BAR + BAR_GAP) + BAR_GAP / 2
+        body.append(group(bar.label))
         body.append(drawn_text(BAR_LEFT - 6, top + BAR / 2 + 4, bar.label, "end"))
         at = float(BAR_LEFT)
         for name, length, colour, hover in bar.parts:
@@ -131,6 +134,7 @@ def stacked_bars(bars: Sequence[Bar], *, label: str, title: str) -> str:
                 f"<title>{escape(f'{bar.label}, {name}: {hover}')}</title></rect>"
             )
             at += wide
+        body.append("</g>")
     body.append(drawn_text((BAR_LEFT + WIDTH - RIGHT) / 2, height - 6, label, "middle"))
     return drawing((WIDTH, height), title, body)
 
@@ -192,6 +196,11 @@ def _widened(limits: tuple[float, float], scale: str, margin: float) -> tuple[fl
 def _share(value: float, limits: tuple[float, float], scale: str) -> float:
     low, high = (_unit(limit, scale) for limit in limits)
     return (_unit(value, scale) - low) / (high - low)
+
+
+def group(name: str) -> str:
+    """The start of a group of elements that belong to a technique, or whatever else is called so in the key."""
+    return f'<g data-name="{escape(name)}">'
 
 
 def drawn_text(x: float, y: float, text: str, anchor: str) -> str:

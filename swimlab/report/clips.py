@@ -25,6 +25,7 @@ class Clip:
     """Consecutive pictures of every technique in one region (x, y, width, height in px; None: whole frames).
 
     pictures and errors: technique -> base64 WebP by frame number. sizes: frame number -> (width, height).
+    compared: the techniques that have errors. folder: where the pictures are if not in here, relative to the page.
     """
 
     run: Run
@@ -32,6 +33,8 @@ class Clip:
     pictures: dict[str, dict[int, str]] = field(default_factory=dict)
     errors: dict[str, dict[int, str]] = field(default_factory=dict)
     sizes: dict[int, tuple[int, int]] = field(default_factory=dict)
+    compared: tuple[str, ...] = ()
+    folder: str = ""
 
     @property
     def frames(self) -> list[int]:
@@ -45,6 +48,7 @@ class Clip:
     def merge(self, other: "Clip") -> None:
         """Take over the pictures of another clip of the same run and region."""
         self.sizes |= other.sizes
+        self.compared = other.compared
         for mine, theirs in ((self.pictures, other.pictures), (self.errors, other.errors)):
             for technique, texts in theirs.items():
                 mine.setdefault(technique, {}).update(texts)
@@ -94,7 +98,7 @@ def encode(run: Run, frame: int, region: Region | None) -> Clip:
     with ThreadPoolExecutor() as pool:
         read = pool.map(lambda name: _read(run, name, frame, region), run.techniques)
         images = dict(zip(run.techniques, read, strict=True))
-        tests = [n for n in run.techniques if n != REFERENCE and REFERENCE in images]
+        tests = tuple(n for n in run.techniques if n != REFERENCE and REFERENCE in images)
         pictures = pool.map(lambda n: webp(srgb(images[n][..., :3])), run.techniques)
         errors = pool.map(lambda n: webp(error_codes(images[n], images[REFERENCE])), tests)
         height, width = images[run.techniques[0]].shape[:2]
@@ -104,15 +108,16 @@ def encode(run: Run, frame: int, region: Region | None) -> Clip:
             pictures={name: {frame: text} for name, text in zip(run.techniques, pictures, strict=True)},
             errors={name: {frame: text} for name, text in zip(tests, errors, strict=True)},
             sizes={frame: (width, height)},
+            compared=tests,
         )
 
 
 def _read(run: Run, technique: str, frame: int, region: Region | None) -> Image:
-    rgba = read_frame(frame_path(run.folder, technique, frame))
+    path = frame_path(run.folder, technique, frame)
     if region is None:
-        return rgba
+        return read_frame(path)
     x, y, width, height = region
-    return rgba[y : y + height, x : x + width]
+    return read_frame(path, rows=(y, y + height))[:, x : x + width]
 
 
 def liveliest(run: Run, entries: Sequence[Mapping[str, Any]]) -> int:

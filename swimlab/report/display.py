@@ -1,12 +1,14 @@
 """Linear radiance to 8-bit pictures: sRGB to look at, signed codes on a fixed scale for errors.
 
 Both as lossless WebP: on sharp 640x360 frames it was 30% smaller than PNG. An error in 63 steps is a third
-smaller than in 255.
+smaller than in 255. OpenImageIO encodes: it can be told the effort. Least effort (0) is 10 times as fast as the usual
+one (4) on pictures and 5% larger; codes are 70% larger with 0 and 2% with 1.
 """
 
 import base64
+import tempfile
+from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +42,16 @@ def error_codes(test: Image, reference: Image) -> Picture:
 
 
 def webp(picture: Picture) -> str:
-    """Lossless WebP of sRGB codes [H, W, 3] or grey codes [H, W], as base64 text."""
-    blue_first = picture[..., ::-1] if picture.ndim == 3 else picture
-    _, encoded = cv2.imencode(".webp", np.ascontiguousarray(blue_first), [cv2.IMWRITE_WEBP_QUALITY, 101])
-    return base64.b64encode(encoded.tobytes()).decode("ascii")
+    """Lossless WebP of sRGB codes [H, W, 3] or grey codes [H, W], as base64 text. Raises OSError."""
+    import OpenImageIO as oiio  # noqa: N813
+
+    colour = picture.ndim == 3
+    pixels = np.ascontiguousarray(picture if colour else np.repeat(picture[..., None], 3, axis=2))
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.UINT8)
+    spec.attribute("compression", "lossless:0")
+    spec.attribute("webp:method", 0 if colour else 1)
+    with tempfile.NamedTemporaryFile(suffix=".webp") as file:
+        output: Any = oiio.ImageOutput.create(file.name)
+        if not (output.open(file.name, spec) and output.write_image(pixels) and output.close()):
+            raise OSError(f"{file.name}: cannot be written: {output.geterror()}")
+        return base64.b64encode(file.read()).decode("ascii")

@@ -2,14 +2,18 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from statistics import median
 from typing import Any, NamedTuple
 
 from swimlab.record import REFERENCE
-from swimlab.report.charts import Axis, Bar, Line, line_chart, stacked_bars
+from swimlab.report.charts import Axis, Bar, Line, line_chart, number, stacked_bars
 from swimlab.report.palette import PARTS, Ink
 from swimlab.report.scatter import Point, scatter
 
 Entry = Mapping[str, Any]
+
+SPIKE = 1.5
+"""A change is a spike from so many times its median on."""
 
 SCALE_CURVES = {
     "rmse": ("Scale error", "relative rms error", "Against the reference of the same size; 0 is the truth."),
@@ -46,14 +50,14 @@ def figures(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> list[Figure]:
             inks,
             "error",
             "Spectrum of the error",
-            "Energy at low frequencies is what the eye sees as Moiré.",
+            "Lower is better; at low frequencies the eye sees it as Moiré, at high ones as lost or false detail.",
         ),
         _radial(
             entries,
             inks,
             "test",
             "Spectrum of the picture",
-            "Above the reference: false detail. Below it: lost detail.",
+            "Above the reference's line there is false detail, below it detail is lost.",
         ),
         _planes(entries),
         *_scales(entries, inks),
@@ -72,10 +76,11 @@ def speed(entries: Sequence[Entry], milliseconds: Mapping[str, float], inks: Map
     x, y = Axis("ms a frame", "log"), Axis("rms error", "log")
     svg = scatter([[point] for point in points], x=x, y=y, title="Error against time", floor=math.sqrt(floor))
     sentence = (
-        "Lower left is better. Filled dots are the Pareto front: nothing is as fast and closer. Times are as rendered, "
-        "one technique after another. Dotted: the reference's own error."
+        "Lower left is better: filled dots are the Pareto front, where nothing is as fast and closer (dotted: the "
+        "reference's own error; times as rendered, one technique after another)."
     )
-    return [Figure("Error against time", svg, sentence, [])] if svg else []
+    key = [(point.name, Ink(point.colour, "")) for point in points]
+    return [Figure("Error against time", svg, sentence, key)] if svg else []
 
 
 def _budget(entries: Sequence[Entry]) -> Figure:
@@ -100,7 +105,7 @@ def _budget(entries: Sequence[Entry]) -> Figure:
     return Figure(
         "Error budget",
         stacked_bars(bars, label="rms error, linear radiance", title="Error budget"),
-        "A bar is as long as the rms error; its colours share it out by energy. Only flicker moves.",
+        "A bar is as long as the rms error, shared out by energy: bias and detail stand still, only flicker moves.",
         [(part, Ink(PARTS[part], "")) for part in ("bias", "detail", "flicker")],
     )
 
@@ -114,9 +119,25 @@ def _change(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> Figure:
     return Figure(
         "Flicker over time",
         line_chart(lines, x=Axis("frame"), y=Axis("rms change since last frame", "log"), title="Flicker over time"),
-        "How much the error on the surface changes from frame to frame: calm stays low, a pop is a spike.",
+        "How much the error on the surface changes from frame to frame: calm stays low, a pop is a spike"
+        + _spike(lines),
         _line_key(lines),
     )
+
+
+def _spike(lines: Sequence[Line]) -> str:
+    """The sentence's end: what changes most above its own habit, if anything does."""
+    highest = (0.0, "", 0.0)
+    for line in lines:
+        known = [(y, x) for x, y in zip(line.x, line.y, strict=True) if y is not None]
+        usual = median(y for y, _ in known) if known else 0.0
+        if usual > 0 and line.label != REFERENCE:
+            top, frame = max(known)
+            highest = max(highest, (top / usual, line.label, frame))
+    ratio, name, frame = highest
+    if ratio < SPIKE:
+        return "."
+    return f", such as that of {name} at frame {frame:g}, {number(ratio)} times its median."
 
 
 def _radial(entries: Sequence[Entry], inks: Mapping[str, Ink], which: str, title: str, sentence: str) -> Figure:

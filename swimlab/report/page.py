@@ -1,7 +1,7 @@
 """The report page: scores, pictures, charts and provenance in one HTML file that needs no network."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -10,14 +10,19 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.files import write_text
+from swimlab.files import replacing_folder, write_text
 from swimlab.record import REFERENCE
+from swimlab.report.bundle import PAGE, refuse_strange_folder, write_pictures
 from swimlab.report.clips import BUDGET, Clip, choose_clips
 from swimlab.report.display import ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
+from swimlab.report.maps import maps
 from swimlab.report.palette import Ink, inks
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
+from swimlab.report.verdict import verdict
+
+SCRIPTS = ("pictures.js", "view.js", "screen.js", "pointer.js", "viewer.js", "charts.js")
 
 
 def write_report(
@@ -31,25 +36,54 @@ def write_report(
     """
     _refuse_nan(scores)
     opened = [open_run(run) for run in runs]
+    clips = choose_clips(opened, scores["sequences"], picture_budget)
+    write_text(destination, _page(opened, scores, clips))
+
+
+def write_report_folder(
+    runs: Sequence[Path],
+    scores: Mapping[str, Any],
+    destination: Path,
+    *,
+    advance: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Write the page as `destination`/index.html beside all pictures of the runs, whole or not at all.
+
+    advance is called with the sequence of every run that is done. An earlier report folder is replaced. Raises as
+    `write_report` does, and ReportError where `destination` is anything else.
+    """
+    _refuse_nan(scores)
+    refuse_strange_folder(destination)
+    opened = [open_run(run) for run in runs]
+    with replacing_folder(destination) as folder:
+        clips = []
+        for place, run in enumerate(opened):
+            clips.append(write_pictures(run, folder, place))
+            advance(run.sequence)
+        write_text(folder / PAGE, _page(opened, scores, clips))
+
+
+def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip]) -> str:
     entries = scores["sequences"]
-    clips = choose_clips(opened, entries, picture_budget)
     colours = inks(_techniques(opened, entries))
-    page = (
+    return (
         _environment()
         .get_template("report.html")
         .render(
             names=[run.sequence for run in opened],
             sections=[_section(run, entries, clips, colours) for run in opened],
             inks=colours,
+            verdict=verdict(entries, {run.sequence: run.milliseconds for run in opened}),
             provenance=flatten({**scores.get("provenance", {}), **_by_run(opened)}),
             settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],
             metrics=METRICS,
             pictures=Markup(picture_json(clips, entries)),
-            css=Markup(_static("report.css")),
-            script=Markup(_static("pictures.js") + _static("viewer.js")),
+            theme=Markup(_static("theme.js")),
+            css=Markup(_static("report.css") + _static("charts.css")),
+            script=Markup("".join(_static(name) for name in SCRIPTS)),
+            folder=any(clip.folder for clip in clips),
         )
     )
-    write_text(destination, page)
 
 
 def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]]) -> str:
@@ -92,6 +126,7 @@ def _section(
         "headline": headline(mine),
         "table": score_table(mine, run.milliseconds),
         "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours)],
+        "maps": maps(run, mine),
         "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
         "score_names": names,
         "entries": mine,
@@ -120,15 +155,19 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         if entry["sequence"] == clip.run.sequence
     }
     return {
+        "sequence": clip.run.sequence,
         "name": f"{clip.run.sequence}: {_caption(clip)}",
+        "folder": clip.folder,
         "fps": clip.run.fps,
         "techniques": clip.run.techniques,
         "frames": clip.frames,
         "origin": list(clip.region[:2]) if clip.region else [0, 0],
+        "compared": clip.compared,
         "sizes": [clip.sizes[frame] for frame in clip.frames],
         "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
         "errors": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.errors.items()},
         "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
+        "worst": {name: max(rows, key=lambda frame: rows[frame]) for name, rows in mse.items() if rows},
     }
 
 

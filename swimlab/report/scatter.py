@@ -6,7 +6,7 @@ from html import escape
 from itertools import pairwise
 
 from swimlab.pareto import front
-from swimlab.report.charts import HEIGHT, WIDTH, Axis, Plane, drawing, number
+from swimlab.report.charts import HEIGHT, WIDTH, Axis, Plane, drawing, group, number
 
 Box = tuple[float, float, float, float]
 
@@ -69,9 +69,10 @@ def scatter(
         kind = "dot best" if on else "dot"
         about = f"{point.name}: {number(value)} at {number(point.x)}" + (", on the front" if on else "")
         body.append(
-            f'<circle class="{kind}" cx="{px:.1f}" cy="{py:.1f}" r="{DOT:g}" stroke="{point.colour}" '
-            f'fill="{point.colour if on else "none"}"><title>{escape(about)}</title></circle>'
+            f'{group(point.name)}<circle class="{kind}" cx="{px:.1f}" cy="{py:.1f}" r="{DOT:g}" '
+            f'stroke="{point.colour}" fill="{point.colour if on else "none"}"><title>{escape(about)}</title></circle>'
         )
+        body.append("</g>")
     body += _names([point.name for point, _ in flat], places, (left, top, right, bottom))
     return drawing(size, title, body)
 
@@ -81,12 +82,13 @@ def _names(names: Sequence[str], places: Sequence[tuple[float, float]], inside: 
     taken: list[Box] = [(x - DOT, y - DOT, x + DOT, y + DOT) for x, y in places]
     body = []
     for name, (x, y) in sorted(zip(names, places, strict=True), key=lambda each: each[1]):
+        body.append(group(name))
         box, distance = _room(name, x, y, taken, inside)
         taken.append(box)
         if distance > NEAR * DISTANCES[0]:
             ends = min(max(x, box[0]), box[2]), min(max(y, box[1]), box[3])
             body.append(f'<path class="leader" d="M{x:.1f} {y:.1f}L{ends[0]:.1f} {ends[1]:.1f}"/>')
-        body.append(f'<text class="name" x="{box[0]:.1f}" y="{box[3] - 2.5:.1f}">{escape(name)}</text>')
+        body.append(f'<text class="name" x="{box[0]:.1f}" y="{box[3] - 2.5:.1f}">{escape(name)}</text></g>')
     return body
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from metrics import METRICS, Clip, measure, measure_scales, quantisation, resolved, synthetic
-from metrics.ratios import Ratios, overlap
+from metrics import METRICS, Clip, Measurement, measure, measure_scales, quantisation, resolved, synthetic
+from metrics.ratios import BLOCKS, RUN, Ratios, difference_error, jackknife, overlap
 from metrics.spectra import OCTAVES
 
 MOTION = (23 / 32, 19 / 32)
@@ -89,6 +89,16 @@ def test_a_peak_is_followed_where_a_part_of_the_picture_does_not_show_it(toleran
     assert found.errors["moire.peak_strength"] > 1
 
 
+def test_a_picture_that_is_black_but_for_one_strip_has_an_excess_of_unknown_error():
+    error = noise(2, width=320)
+    light = np.zeros_like(error)
+    light[:, :, 10:50] = noise(3, width=40) + 2
+    clips = [Clip(each.__getitem__, len(each), motion=MOTION) for each in (light + error, light)]
+    found = measure(*clips, names=["moire"])
+    assert found.scores["moire.excess"] > 0
+    assert "moire.excess" not in found.errors
+
+
 def test_a_single_tile_has_no_known_error_and_says_so():
     found = compare(noise(0, height=70, width=70), names=["budget", "residual"])
     assert found.scores
@@ -134,6 +144,42 @@ def test_one_clip_is_not_resolved_from_another_of_its_kind_but_from_one_twice_as
     one, other, twice = (vars(compare(e, names=["budget"])) for e in (noise(1), noise(2), 2 * noise(3)))
     assert not resolved("budget.flicker", one, other)
     assert resolved("budget.flicker", one, twice)
+
+
+def test_what_the_surface_does_to_both_cancels_in_a_difference():
+    """Energies of tiles differ by decades, as on a road; the second technique errs a twentieth more on each."""
+    random = np.random.default_rng(8)
+    scale = np.exp(random.normal(0, 1.5, 400))
+    ratios = {name: Ratios() for name in ("one", "more", "elsewhere")}
+    for _ in range(2):
+        ratios["one"].add(32, np.ones(200), {"part": scale[:200]})
+        ratios["more"].add(32, np.ones(200), {"part": 1.05 * scale[:200] * random.normal(1, 0.05, 200)})
+        ratios["elsewhere"].add(32, np.ones(200), {"part": scale[200:]})
+    found = {}
+    for name, each in ratios.items():
+        measured = Measurement()
+        measured.put("plane.off", each.value("part"), "", error=each.error("part"), replicates=each.replicates("part"))
+        found[name] = vars(measured)
+    paired = difference_error("plane.off", found["one"], found["more"])
+    assert paired < 0.1 * np.hypot(found["one"]["errors"]["plane.off"], found["more"]["errors"]["plane.off"])
+    assert resolved("plane.off", found["one"], found["more"])
+    assert not resolved("plane.off", found["one"], found["elsewhere"])
+
+
+def test_replicates_leave_out_runs_of_tiles_and_do_not_depend_on_parts(tolerance):
+    random = np.random.default_rng(9)
+    weight, part = random.uniform(1, 2, 600), random.uniform(0, 1, 600)
+    whole, cut = Ratios(), Ratios()
+    whole.add(16, weight, {"part": part})
+    for some in (slice(0, 5), slice(5, 321), slice(321, 600)):
+        cut.add(16, weight[some], {"part": part[some]})
+    block = np.arange(600) // RUN % BLOCKS
+    expected = [part[block != k].sum() / weight[block != k].sum() for k in range(BLOCKS)]
+    assert whole.replicates("part") == pytest.approx(expected, rel=tolerance("closed form"))
+    assert cut.replicates("part") == pytest.approx(expected, rel=tolerance("closed form"))
+    spread = np.sqrt(overlap(16)) * jackknife(expected) / whole.error("part")
+    assert abs(np.log2(spread)) < tolerance("octave of a standard error")
+    assert not Ratios().replicates("part")
 
 
 def test_octaves_add_up_to_the_squared_error_and_to_its_parts(tolerance):

@@ -154,6 +154,29 @@ def test_another_sign_is_refused_by_the_setting_that_mends_it(what):
         check(UniformMotion((x, y), (HEIGHT, WIDTH)), shifted)
 
 
+@pytest.mark.parametrize("masked", [False, True])
+def test_a_still_sky_over_most_of_the_picture_hides_no_wrong_sign(masked):
+    sky = 2 * HEIGHT // 3
+
+    def picture(t):
+        seen = shifted(t)
+        seen[:sky] = 0.0
+        return seen
+
+    def stored(t):
+        moved = np.zeros((HEIGHT, WIDTH, 2))
+        moved[sky:] = VELOCITY
+        return moved
+
+    def coverage(t):
+        return (np.indices((HEIGHT, WIDTH))[0] >= sky).astype(float)
+
+    mask = coverage if masked else None
+    check(fields(stored, Convention()), picture, mask)
+    with pytest.raises(FrameError, match="both flipped leaves"):
+        check(fields(lambda t: -stored(t), Convention()), picture, mask)
+
+
 WRONG_FIELDS = {
     "both flipped": (Convention(scale=(-1, -1)), "--motion-scale 1,1"),
     "x flipped": (Convention(scale=(-1, 1)), "--motion-scale 1,1"),

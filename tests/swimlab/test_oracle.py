@@ -9,9 +9,8 @@ import pytest
 from oracle import MOMENTS, Oracle
 
 from sequences import load
-from swimlab.cli.options import load_sequence
 from swimlab.frames import frame_path, read_channels, read_frame
-from swimlab.plan import Plan
+from swimlab.plan import Plan, load_sequence
 from swimlab.run import render_run
 
 SIZE = (96, 54)

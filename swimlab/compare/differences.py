@@ -1,0 +1,101 @@
+"""In what two measurements differ beside their scores: settings, domain, frames, names, versions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from swimlab.gate.measured import Entry
+from swimlab.record import REFERENCE, Record
+
+VERSIONS = ("swimlab", "warp", "numpy", "python", "machine")
+"""Parts of a provenance that may move a score with no setting changed."""
+
+SHOWN_ELSEWHERE = ("viewing.", "display.")
+"""Tables of a sequence that stand in the measured domain, as they were when measured."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Something that differs, in plain values. kind: "settings", or "versions" or "names", by which runs stay alike."""
+
+    key: str
+    before: Any
+    after: Any
+    kind: str = "settings"
+
+    def concerns(self, technique: str) -> bool:
+        """Whether a technique's scores may depend on it: its own settings, the reference's, and what is for all."""
+        if self.kind != "settings":
+            return False
+        table, _, rest = self.key.partition(".")
+        return table != "techniques" or rest.partition(".")[0] in (technique, REFERENCE)
+
+    def __str__(self) -> str:
+        return f"{self.key} {_words(self.before)} → {_words(self.after)}"
+
+
+def differences(before: Entry, after: Entry) -> list[Difference]:
+    """What differs between two measurements of a sequence, settings first.
+
+    Where the settings hashes differ and nothing tells in what, the hash itself stands for it.
+    """
+    found = [
+        Difference(what, one, other)
+        for what, one, other in (
+            ("domain", before.settings.domain, after.settings.domain),
+            ("frames measured", before.settings.extent, after.settings.extent),
+        )
+        if one != other
+    ]
+    names = [
+        Difference(what, one, other, "names")
+        for what, one, other in zip(("sequence", "technique"), before.key, after.key, strict=True)
+        if one != other
+    ]
+    versions = [
+        Difference(key, one, other, "versions")
+        for key, one, other in _unlike(_versions(before), _versions(after))
+        if one and other
+    ]
+    hashes = before.settings.hash, after.settings.hash
+    if None in hashes:
+        found.append(Difference("settings hash", *hashes))
+    elif hashes[0] != hashes[1]:
+        one, other = _settings(before), _settings(after)
+        known = [Difference(key, *values) for key, *values in _unlike(one, other)] if one and other else []
+        explained = known or any(each.key.endswith("swimlab") for each in versions)
+        found += known if explained else [Difference("settings hash", *hashes)]
+    return found + names + versions
+
+
+def _settings(entry: Entry) -> dict[str, Any]:
+    """All settings of the rendering, or of frames that swimlab did not render, flat; empty where they are not known."""
+    if entry.folder is None:
+        return dict(_flat(entry.provenance.get("settings", {})))
+    record = Record.read(entry.folder)
+    flat = dict(_flat(record.sequence | record.settings))
+    return {key: value for key, value in flat.items() if not key.startswith(SHOWN_ELSEWHERE)}
+
+
+def _versions(entry: Entry) -> dict[str, Any]:
+    rendering = entry.provenance.get("rendering", {})
+    found = {key: entry.provenance.get(key) for key in VERSIONS}
+    return found | {f"rendered with {key}": rendering.get(key) for key in VERSIONS if key in rendering}
+
+
+def _unlike(one: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, Any, Any]]:
+    for key in dict.fromkeys((*one, *other)):
+        if one.get(key) != other.get(key):
+            yield key, one.get(key), other.get(key)
+
+
+def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _words(value: Any) -> str:
+    return "none" if value is None else "x".join(map(str, value)) if isinstance(value, list) else str(value)

@@ -1,0 +1,1 @@
+"""What notebooks and scripts call: studies, scores as tables, frames as pictures."""

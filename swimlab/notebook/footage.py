@@ -1,0 +1,112 @@
+"""Frames of one's own, measured from Python."""
+
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from typing import Any
+
+from metrics.display import STANDARD, Display, Domain
+from swimlab.footage.colour import ColourSpace
+from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.measure import measure_subject
+from swimlab.footage.source import AlphaUse, Box, Look
+from swimlab.footage.subject import Request, Subject
+from swimlab.frames import FrameError
+from swimlab.notebook.scores import Scores
+
+Name = str | PathLike[str]
+"""A pattern with #### or %04d, a folder, a file or a video."""
+
+
+class Measured:
+    """What was measured of frames. content: as scores.json holds it."""
+
+    def __init__(self, content: Mapping[str, Any]) -> None:
+        self.content = content
+        self._entry = content["sequences"][0]
+
+    @property
+    def scores(self) -> Scores:
+        """The scores, of the one technique "test"."""
+        return Scores(self.content["sequences"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What a reader should know beside the scores: how the motion was verified, what was left out."""
+        return list(self._entry["notes"])
+
+    @property
+    def curves(self) -> dict[str, dict[str, list[Any]]]:
+        """Name -> axis -> values."""
+        return dict(self._entry["curves"])
+
+    def __repr__(self) -> str:
+        return "\n".join([repr(self.scores), *self.notes])
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
+        return f"{self.scores._repr_html_()}<ul>{notes}</ul>"
+
+
+def measure_frames(
+    test: Name,
+    *,
+    reference: Name | None = None,
+    motion: Name | tuple[float, float] | None = None,
+    convention: str | Convention = "own",
+    fps: float | None = None,
+    frames: str | None = None,
+    mask: Name | None = None,
+    channels: str | None = None,
+    colour_space: ColourSpace = "auto",
+    alpha: AlphaUse = "ignore",
+    crop: tuple[int, int, int, int] | None = None,
+    domain: Domain = "linear",
+    display: Display = STANDARD,
+    skip_bad_frames: bool = False,
+    unverified: bool = False,
+    pixels_per_degree: float | None = None,
+    luminance: float | None = None,
+    peers: Sequence[str] = (),
+) -> Measured:
+    """Measure anyone's frames; the options are those of `swimlab measure --test`.
+
+    reference: what they should look like, frame by frame. motion: (dx, dy) px a frame right and down, files of motion
+    vectors, "estimate", or None where nothing moves. convention: what such vectors mean: own, blender, unity, nuke,
+    ndc, uv, or a Convention. fps: None: the file's own, else 60. frames: range as "1-48". crop: x, y, width, height,
+    px. unverified: measure though the motion does not fit the frames.
+    Raises FrameError naming the file, frame or setting that is wrong, and how to mend it.
+    """
+    request = Request(
+        test=fspath(test),
+        reference=None if reference is None else fspath(reference),
+        motion=_motion(motion),
+        mask=None if mask is None else fspath(mask),
+        fps=fps,
+        frames=frames,
+        look=Look(channels=channels, colour_space=colour_space, alpha=alpha, crop=None if crop is None else Box(*crop)),
+        convention=_convention(convention),
+        domain=domain,
+        display=display,
+        skip_bad_frames=skip_bad_frames,
+        unverified=unverified,
+        pixels_per_degree=pixels_per_degree,
+        luminance=luminance,
+    )
+    subject = Subject(request, lambda _: None)
+    return Measured(measure_subject(subject, peers=peers, command="swimlab.measure_frames"))
+
+
+def _motion(motion: Name | tuple[float, float] | None) -> str | None:
+    if isinstance(motion, tuple):
+        return f"{motion[0]!r},{motion[1]!r}"
+    return None if motion is None else fspath(motion)
+
+
+def _convention(convention: str | Convention) -> Convention:
+    if isinstance(convention, Convention):
+        return convention
+    if convention not in PRESETS:
+        raise FrameError(f"convention {convention!r}: there are {', '.join(PRESETS)}, or make a Convention")
+    return PRESETS[convention]

@@ -1,0 +1,1 @@
+"""Queries over the scores of many runs, in SQL."""

@@ -1,0 +1,1 @@
+"""Sweeps: a grid of sequences, techniques and settings, rendered and measured in tasks that can be done anywhere."""

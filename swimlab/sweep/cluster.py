@@ -1,0 +1,70 @@
+"""The engine on dask.distributed: tasks on the processes of this machine, or of a cluster with a shared file system."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from hashlib import sha256
+from typing import Any
+
+from swimlab.record import RunError
+from swimlab.sweep.task import Engine, Task
+
+RETRIES = 1
+"""How often a task that raised is tried again. A killed worker's tasks are done by others without counting here."""
+PATIENCE = "30s"
+"""How long a scheduler may take to answer."""
+
+
+@contextmanager
+def dask_engine(scheduler: str | None, *, threads: int | None) -> Iterator[Engine]:
+    """An engine on the scheduler of an address, or on this machine with a process for every `threads` cores.
+
+    Raises RunError where dask.distributed is not installed or the scheduler does not answer.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise RunError(f"--engine dask: needs dask.distributed ({error}); pip install 'swimlab[cluster]'") from error
+    dask: Any = distributed
+
+    def connect(address: Any) -> Any:
+        try:
+            return dask.Client(address, timeout=PATIENCE)
+        except (OSError, ValueError) as error:
+            raise RunError(f"--scheduler {address}: does not answer ({error}); write it as tcp://HOST:8786") from error
+
+    def engine_of(client: Any) -> Engine:
+        def engine(tasks: Sequence[Task]) -> Iterator[tuple[Task, BaseException | None]]:
+            futures = {
+                client.submit(task.function, *task.arguments, key=_key(task), pure=False, retries=RETRIES): task
+                for task in tasks
+            }
+            for future in dask.as_completed(futures):
+                yield futures[future], _error(future)
+                future.release()
+
+        return engine
+
+    if scheduler is not None:
+        with connect(scheduler) as client:
+            yield engine_of(client)
+        return
+    processes = max(1, len(os.sched_getaffinity(0)) // (threads or 1))
+    with (
+        # No limit of memory: pictures are the file cache's, and a worker that is killed at 95 % helps nobody.
+        dask.LocalCluster(n_workers=processes, threads_per_worker=1, memory_limit=0, dashboard_address=None) as cluster,
+        connect(cluster) as client,
+    ):
+        yield engine_of(client)
+
+
+def _key(task: Task) -> str:
+    """The scheduler's name for a task: its key, made the output folder's own, as other sweeps may share a cluster."""
+    return f"{task.function.__name__}-{task.key}-{sha256(repr(task.arguments[1:]).encode()).hexdigest()[:8]}"
+
+
+def _error(future: Any) -> BaseException | None:
+    if future.status == "finished":
+        return None
+    error: BaseException | None = future.exception()
+    return None if error is None else error.with_traceback(future.traceback())

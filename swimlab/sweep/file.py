@@ -1,0 +1,93 @@
+"""Sweep files: what is varied, and over which sequences and techniques."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, ValidationError
+
+from sequences.problems import describe, hint
+from sequences.sequence import Side
+from sequences.table import Table, Whole
+from swimlab.catalogue import techniques
+from swimlab.measure import Domain
+from swimlab.record import REFERENCE
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
+SET_ELSEWHERE = {"version": "is not for a sweep to vary", "name": "is made from what is varied"}
+
+
+class SweepError(ValueError):
+    """A sweep that cannot be run; the message names the file, the key and how to mend it."""
+
+
+class Sweep(Table):
+    """A sweep file, version 1."""
+
+    version: Literal[1] = Field(description="version of the file format: 1")
+    name: str = Field(pattern=NAME, max_length=100, description="name of the sweep")
+    sequences: list[str] = Field(min_length=1, description="names in the library, or .toml files beside this one")
+    techniques: list[str] = Field(min_length=1, description="techniques by name; the reference is always rendered")
+    frames: str | None = Field(None, description="frames as '0-31' or '3,5'; all of each sequence where left out")
+    size: tuple[Side, Side] | None = Field(None, description="width and height in pixels; else each sequence's")
+    samples: Whole = Field(64, description="samples a pixel of the reference, a square number")
+    chunk: Whole = Field(8, ge=1, description="frames a chunk, the piece of work that is done or lost as a whole")
+    domain: Domain = Field("linear", description="what is measured: linear radiance, or display codes")
+    grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(
+        {}, description="values by dotted key of the sequence file; every combination is rendered"
+    )
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    @property
+    def folder(self) -> Path:
+        """Where the sweep file lies, which sequence files are relative to."""
+        return self._folder
+
+    def names(self) -> tuple[str, ...]:
+        """The techniques in the order of the catalogue, the reference among them."""
+        return tuple(name for name in techniques() if name in {*self.techniques, REFERENCE})
+
+
+def load_sweep(path: Path) -> Sweep:
+    """Read a sweep file. Raises SweepError with every problem at once, each as `file: key: what (hint)`."""
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise SweepError(f"{path}: not TOML: {error} (text and dotted keys need quotes)") from None
+    except UnicodeDecodeError as error:
+        raise SweepError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
+    except OSError as error:
+        raise SweepError(f"{path}: cannot be read: {error.strerror}; name a sweep file") from None
+    try:
+        sweep = Sweep.model_validate(data)
+    except ValidationError as error:
+        raise SweepError("\n".join(f"{path}: {problem}" for problem in describe(error, Sweep))) from None
+    if problems := _problems(sweep):
+        raise SweepError("\n".join(f"{path}: {problem}" for problem in problems))
+    sweep._folder = path.parent
+    return sweep
+
+
+def _problems(sweep: Sweep) -> list[str]:
+    """What is wrong between keys that are well formed by themselves."""
+    known = techniques()
+    problems = [
+        f"techniques: there is no {name!r} {hint(name, known)}" for name in sweep.techniques if name not in known
+    ]
+    for key in ("sequences", "techniques"):
+        values = getattr(sweep, key)
+        problems += [f"{key}: {value!r} is listed twice" for value in _repeated(values)]
+    for key, values in sweep.grid.items():
+        first, _, rest = key.partition(".")
+        technique = rest.partition(".")[0]
+        problems += [f"grid: {key!r}: {value!r} is listed twice" for value in _repeated(values)]
+        if key in SET_ELSEWHERE:
+            problems.append(f"grid: {key!r}: {SET_ELSEWHERE[key]}; leave it out")
+        if first == "techniques" and technique in known and technique not in {*sweep.techniques, REFERENCE}:
+            problems.append(f"grid: {key!r}: {technique} is not among the techniques; add it there")
+    return problems
+
+
+def _repeated(values: list[Any]) -> list[Any]:
+    return [value for place, value in enumerate(values) if value in values[:place]]

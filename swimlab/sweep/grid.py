@@ -1,0 +1,71 @@
+"""The configurations of a sweep: every sequence under every combination of the grid's values."""
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping
+from itertools import product
+from typing import Any
+
+from sequences import load
+from sequences.problems import SequenceError
+from swimlab.catalogue import brdf_settings, technique_settings
+from swimlab.plan import Plan, check_samples, parse_frames
+from swimlab.record import RunError
+from swimlab.sweep.file import Sweep, SweepError
+
+LONGEST_NAME = 100
+
+
+def configurations(sweep: Sweep) -> list[Plan]:
+    """What to render, a plan for each sequence and combination; a plan's sequence is named after what is varied.
+
+    Raises SweepError with every problem of every combination at once.
+    """
+    problems: dict[str, None] = {}
+    plans: dict[str, Plan] = {}
+    combinations = [dict(zip(sweep.grid, values, strict=True)) for values in product(*sweep.grid.values())]
+    for source in sweep.sequences:
+        for varied in combinations:
+            try:
+                plan = _plan(sweep, source, varied)
+                if plan.sequence.name in plans:
+                    problems[f"sequences: two are named {plan.sequence.name!r}; give one of them another name"] = None
+                plans[plan.sequence.name] = plan
+            except SequenceError as error:
+                problems |= dict.fromkeys(error.problems)
+            except RunError as error:
+                problems[str(error).removeprefix("--")] = None
+    if problems:
+        raise SweepError("\n".join(f"{sweep.name}: {problem}" for problem in problems))
+    return list(plans.values())
+
+
+def _plan(sweep: Sweep, source: str, varied: Mapping[str, Any]) -> Plan:
+    place = str(sweep.folder / source) if source.endswith(".toml") else source
+    changes = {"size": list(sweep.size)} if sweep.size is not None else {}
+    sequence = load(
+        place, technique_settings=technique_settings(), brdfs=brdf_settings(), changes=changes | dict(varied)
+    )
+    return Plan(
+        sequence=sequence.with_changes(name=name_of(sequence.name, varied)),
+        techniques=sweep.names(),
+        frames=parse_frames(sweep.frames or f"0-{sequence.frames - 1}", sequence.frames),
+        samples=check_samples(sweep.samples),
+    )
+
+
+def name_of(sequence: str, varied: Mapping[str, Any]) -> str:
+    """A configuration's name: the sequence's, and the last two parts of each varied key with its value.
+
+    Where that is too long or a value cannot stand in a file's name, the end is a hash of all values.
+    """
+    if not varied:
+        return sequence
+    keys = [".".join(key.split(".")[-2:]) for key in varied]
+    values = [value if isinstance(value, str) else json.dumps(value, default=str) for value in varied.values()]
+    name = "_".join([sequence, *(f"{key}-{value}" for key, value in zip(keys, values, strict=True))])
+    if len(name) <= LONGEST_NAME and len(set(keys)) == len(keys) and re.fullmatch(r"[A-Za-z0-9._-]+", name):
+        return name
+    digest = hashlib.sha256(json.dumps(dict(varied), sort_keys=True, default=str).encode()).hexdigest()[:10]
+    return f"{sequence[: LONGEST_NAME - 11]}-{digest}"

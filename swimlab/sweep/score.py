@@ -1,0 +1,46 @@
+"""Measuring the configurations of a sweep, equal work once."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from swimlab import __version__
+from swimlab.files import write_json
+from swimlab.measure import Domain, measure_techniques
+from swimlab.plan import Plan
+from swimlab.record import REFERENCE, Record
+from swimlab.run import GEOMETRY
+from swimlab.sweep.chunk import Chunks
+
+
+def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: Path) -> Path:
+    """File of a technique's scores, named by a hash over all that decides them: pictures and how they are looked at."""
+    sequence = plan.sequence
+    content = {
+        "swimlab": __version__,
+        "pictures": [chunk.digest for name in (technique, REFERENCE, GEOMETRY) for chunk in chunks[name]],
+        "technique": technique,
+        "domain": domain,
+        "viewing": sequence.viewing.model_dump(mode="json"),
+        "display": sequence.display.model_dump(mode="json"),
+        "seed": sequence.seed,
+    }
+    digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+    return out / "scores" / f"{digest}.json"
+
+
+def measure_missing(run: Path, files: dict[str, Path], domain: Domain) -> None:
+    """Write the entries of scores.json of techniques of a run into their files, those that are not there.
+
+    They are measured together, as aligning the frames costs more than any of them.
+    """
+    missing = [name for name, path in files.items() if not path.exists()]
+    for entry in measure_techniques(run, Record.read(run), missing, domain=domain):
+        write_json(files[entry["technique"]], entry)
+
+
+def read_entry(path: Path, sequence: str) -> dict[str, Any]:
+    """The entry that was written, perhaps for a configuration of another name, as one of `sequence`."""
+    entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return entry | {"sequence": sequence}
