@@ -18,6 +18,9 @@ _SAME = 1e-6
 
 _RIDGE = 1e-10
 
+# Frames multiplied at a time: BLAS shares larger products out to threads, in other bits for every number of them.
+_FRAMES = 100
+
 # Groups named in a message.
 _LISTED = 3
 
@@ -55,7 +58,9 @@ class Orders:
     def gram(self, count: int) -> NDArray[np.complex128]:
         """Gram matrix of the basis, with a trace of a ridge so that it can be inverted always."""
         basis = self.basis(count)
-        return np.asarray(np.conj(basis).T @ basis + count * _RIDGE * np.eye(basis.shape[1]))
+        some = [basis[first : first + _FRAMES] for first in range(0, count, _FRAMES)]
+        products = sum(np.conj(part).T @ part for part in some)
+        return np.asarray(products + count * _RIDGE * np.eye(basis.shape[1]))
 
     def raised(self, count: int) -> NDArray[np.float64]:
         """[groups], by how much a fit to so many frames raises the energy of noise in each order, 1 and more."""

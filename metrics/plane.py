@@ -25,6 +25,8 @@ from metrics.spans import Span
 from metrics.spectra import Batch, energy
 from metrics.tiles import Level
 
+Complex = NDArray[np.complex128]
+
 # Frames whose spectra are projected together. Projections are kept for all orders, of sampled tiles only.
 FRAMES = 8
 
@@ -108,7 +110,7 @@ class Plane:
         self._slice.end()
         if self._level is None or self._orders is None or not self._level.count:
             return
-        inverse = np.linalg.inv(self._orders.gram(self._count))
+        inverse: Complex = np.asarray(np.linalg.inv(self._orders.gram(self._count)), np.complex128)
         opposite = self._orders.opposite()
         self._blurred |= self._orders.blurred(self._count)
         self._chance = max(self._chance, 1 / self._count)
@@ -118,7 +120,7 @@ class Plane:
         for tile in range(len(self._total)):
             projections, total = self._without_mean(tile, self._orders)
             flat = projections.reshape(len(projections), -1)
-            amplitudes = inverse @ flat
+            amplitudes = self._fit(inverse, flat)
             joint = np.real(np.einsum("ni,ni->n", np.conj(amplitudes), flat))
             off[tile] = max(0.0, total - joint.sum())
             # The fit raises noise where a clip is too short to keep orders well apart: leave each the noise it has.
@@ -135,7 +137,15 @@ class Plane:
         self._ratios.add(self._level.size, found.sum(axis=1) + off, parts)
         self._level_energy += self._count * float(np.sum(self._first**2)) * energy(self._level_spectrum[None, None])[0]
 
-    def _without_mean(self, tile: int, orders: Orders) -> tuple[NDArray[np.complex128], float]:
+    def _fit(self, inverse: Complex, flat: Complex) -> Complex:
+        """inverse @ flat, [orders, bins], some bins at a time: BLAS shares no such product out to threads.
+
+        Shared out it would be other bits for every number of them.
+        """
+        some = flat.reshape(len(flat), -1, self._level_spectrum.shape[0]).swapaxes(0, 1)
+        return np.asarray(np.matmul(inverse, some).swapaxes(0, 1).reshape(flat.shape))
+
+    def _without_mean(self, tile: int, orders: Orders) -> tuple[Complex, float]:
         """Projections and total energy of one sampled tile with its mean level over the span removed.
 
         The first frame's level went out already; the rest is linear. Order 0 is the sum over frames.

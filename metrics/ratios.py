@@ -19,6 +19,9 @@ BLOCKS, RUN, FEWEST = 16, 8, 4
 """Blocks of tiles that are left out in turn, runs of tiles in the order of rows being dealt out to them; with fewer
 blocks that hold any tile there is no jackknife."""
 
+# Tiles whose products are summed at a time.
+_PIECE = 8192
+
 
 class Ratios:
     """Sums over tiles of some parts and of a weight; every part over the weight is a score.
@@ -39,14 +42,14 @@ class Ratios:
         """Take in tiles of one size, each with its weight [n] and parts [n]."""
         raised = overlap(size)
         self._tiles += len(weight)
-        self._weight += [weight.sum(), raised * (weight @ weight)]
+        self._weight += [weight.sum(), raised * _dot(weight, weight)]
         first = self._seen.get(size, 0)
         self._seen[size] = first + len(weight)
         block = np.arange(first, first + len(weight)) // RUN % BLOCKS
         self._block_weight += np.bincount(block, weight, BLOCKS)
         for name, part in parts.items():
             self._blocks[name] = self._blocks.get(name, np.zeros(BLOCKS)) + np.bincount(block, part, BLOCKS)
-            sums = np.array([part.sum(), raised * (part @ part), raised * (part @ weight)])
+            sums = np.array([part.sum(), raised * _dot(part, part), raised * _dot(part, weight)])
             self._parts[name] = self._parts.get(name, np.zeros(3)) + sums
 
     @property
@@ -75,6 +78,12 @@ class Ratios:
         return [float(each) for each in left / (self.weight - self._block_weight[held])]
 
 
+def _dot(one: Values, other: Values) -> float:
+    """one @ other, in pieces: BLAS shares long vectors out to threads, in other bits for every number of them."""
+    pieces = (slice(first, first + _PIECE) for first in range(0, len(one), _PIECE))
+    return float(sum(one[piece] @ other[piece] for piece in pieces))
+
+
 def jackknife(replicates: Sequence[float] | Values) -> float:
     """The standard error of what was found anew with each of some blocks left out (Efron & Stein 1981, eq. 1.3)."""
     return float(np.sqrt((len(replicates) - 1) * np.var(replicates)))
@@ -94,14 +103,25 @@ def overlap(size: int) -> float:
 def difference_error(score: str, one: Entry, other: Entry) -> float | None:
     """The standard error of a score's difference between two measurements; None where it is not known.
 
-    one, other: entries of scores.json, or vars(Measurement). Where both left out the same blocks it is the spread of
-    the difference, in which what a piece of the surface does to both cancels; else both errors are combined.
+    one, other: entries of scores.json, or vars(Measurement), with the score. Where both left out the same blocks, what
+    a piece of the surface does to both cancels: energies grow with its light alike, so that it is their ratio that is
+    told from 1, by the spread of its logarithm. Scores that are not all above 0 are subtracted, and without the same
+    blocks both errors are combined.
     """
     pair = [entry.get("replicates", {}).get(score, []) for entry in (one, other)]
     if pair[0] and len(pair[0]) == len(pair[1]):
-        return jackknife(np.subtract(*pair))
+        values = [entry["scores"][score] for entry in (one, other)]
+        if min(*values, *pair[0], *pair[1]) <= 0:
+            return jackknife(np.subtract(*pair))
+        return logarithmic_mean(*values) * jackknife(np.log(np.divide(*pair)))
     errors = [entry.get("errors", {}).get(score) for entry in (one, other)]
     return None if None in errors else float(np.hypot(*errors))
+
+
+def logarithmic_mean(one: float, other: float) -> float:
+    """(a - b) / log(a / b) of numbers above 0: what a small difference of logarithms is in units of the numbers."""
+    ratio = one / other
+    return one if abs(ratio - 1) < 1e-9 else (one - other) / float(np.log(ratio))
 
 
 def resolved(score: str, one: Entry, other: Entry) -> bool:

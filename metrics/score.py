@@ -58,6 +58,8 @@ def measure(
     truth = reference if isinstance(reference, Truth) else None
     if isinstance(reference, Clip):
         truth = Truth(reference, error=reference_error, domain=domain, display=display)
+    elif reference_error is not None:
+        raise ValueError("reference_error: needs a clip as reference; without one leave it out, a Truth has its own")
     if truth is not None and (truth.domain, truth.display) != (domain, display):
         raise ValueError(f"the test is measured in the domain {domain}, the truth is of another domain or display")
     geometry = _geometry(test, truth.reference if truth else None)

@@ -1,15 +1,17 @@
 """What is there to choose from: techniques and reflectance models by name, found in their folders."""
 
+import hashlib
 import os
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import swimlab.brdfs
 import swimlab.techniques
 from sequences import Sequence
 from swimlab.brdf import Brdf, Model
-from swimlab.registry import discover, extend, retract
+from swimlab.registry import added, discover, extend, retract
 from swimlab.settings import Settings
 from swimlab.technique import Technique
 
@@ -27,7 +29,10 @@ def techniques() -> dict[str, Technique]:
     try:
         for folder in filter(None, given.split(os.pathsep)):
             extend(swimlab.techniques, Path(folder))
-        return discover(swimlab.techniques, "TECHNIQUE")
+        found = discover(swimlab.techniques, "TECHNIQUE")
+        for module in added(swimlab.techniques):
+            _code(module)
+        return found
     except (ValueError, SyntaxError, ImportError, AttributeError) as error:
         if not given:
             raise
@@ -49,6 +54,17 @@ def add_techniques(folder: str | Path) -> list[str]:
         techniques.cache_clear()
         raise
     return sorted(import_module(module).TECHNIQUE.name for module in modules)
+
+
+def own_code() -> dict[str, str]:
+    """Technique -> hash of its file as it was when it was read, of those in folders of one's own."""
+    techniques()
+    return {module.TECHNIQUE.name: _code(module) for module in added(swimlab.techniques)}
+
+
+@cache
+def _code(module: ModuleType) -> str:
+    return hashlib.sha256(Path(str(module.__file__)).read_bytes()).hexdigest()[:16]
 
 
 @cache

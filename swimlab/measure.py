@@ -19,7 +19,8 @@ from swimlab.footage.colour import quantisation_floor
 from swimlab.frames import Geometry, Image, frame_path, read_frame, read_geometry
 from swimlab.peer import all_peer_scores
 from swimlab.record import REFERENCE, VERSION, Record, RunError, provenance
-from swimlab.run import ERROR, GEOMETRY, check_complete
+from swimlab.renderer import ERROR, GEOMETRY
+from swimlab.run import check_complete
 
 Domain = Literal["linear", "display"]
 

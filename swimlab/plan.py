@@ -103,7 +103,7 @@ def make_plan(
     return Plan(
         sequence=loaded,
         techniques=tuple(name for name in known if name in names),
-        frames=parse_frames(frames or f"0-{loaded.frames - 1}", loaded.frames),
+        frames=parse_frames(f"0-{loaded.frames - 1}" if frames is None else frames, loaded.frames),
         samples=check_samples(samples),
         half=half,
     )
@@ -122,6 +122,13 @@ def parse_frames(text: str, count: int) -> tuple[int, ...]:
     if outside or not frames:
         raise RunError(f"--frames {text}: the sequence has frames 0-{count - 1}")
     return frames
+
+
+def check_threads(threads: int | None) -> int | None:
+    """The number itself where it is one from 1, or None. Raises RunError otherwise."""
+    if threads is not None and threads < 1:
+        raise RunError(f"--threads {threads}: must be at least 1")
+    return threads
 
 
 def check_samples(samples: int) -> int:

@@ -29,6 +29,7 @@ class Record:
     sequence: the sequence file's content with every default and every technique's settings filled in.
     times: per technique, the medians of the ms that a frame took to render and of the samples, texels or vertices that
         were shaded for it, and over how many frames.
+    code: per technique from a folder of one's own, a hash of its file.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
     """
 
@@ -41,6 +42,7 @@ class Record:
     techniques: list[str] = field(default_factory=list)
     frames: list[int] = field(default_factory=list)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
+    code: dict[str, str] = field(default_factory=dict)
     reference_rms_error: dict[str, float] = field(default_factory=dict)
 
     def write(self, run: Path) -> None:

@@ -46,6 +46,14 @@ def extend(package: ModuleType, folder: Path) -> list[str]:
     return [f"{package.__name__}.{name}" for name in names]
 
 
+def added(package: ModuleType) -> list[ModuleType]:
+    """The modules that `extend` lets be found."""
+    return [
+        importlib.import_module(f"{package.__name__}.{info.name}")
+        for info in pkgutil.iter_modules(package.__path__[1:])
+    ]
+
+
 def retract(package: ModuleType, folder: Path) -> None:
     """Undo `extend`."""
     package.__path__ = [path for path in package.__path__ if path != str(folder.resolve())]

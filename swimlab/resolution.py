@@ -5,10 +5,13 @@ from itertools import pairwise
 from typing import Any
 
 from metrics import METRICS
-from metrics.ratios import resolved
+from metrics.ratios import SIGMAS, resolved
 
 MARK = "≈"
-LEGEND = f"{MARK} not resolved from the next better technique: within two standard errors or the reference's own error"
+LEGEND = (
+    f"{MARK} not resolved from the next better technique: within {SIGMAS:g} standard errors of their difference, "
+    "or the reference's own error"
+)
 
 
 def unresolved(entries: Sequence[Mapping[str, Any]], score: str) -> set[str]:

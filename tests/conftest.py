@@ -51,6 +51,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "a GPU against the CPU": Tolerance(1e-4, "relative rms; plain forms, fused multiply-adds of the device"),
     "half a code": Tolerance(0.5 / 255 + 1e-6, "8 bit"),
     "half float": Tolerance(1e-3, "relative; a half has 11 bits: 4.9e-4 at worst"),
+    "floor of halves": Tolerance(1e-5, "relative; 5e-6 measured at 640x360"),
     "smallest half": Tolerance(6e-8, "halves under 6e-5 are multiples of 2^-24"),
     "reference against its stated error": Tolerance(1.5, "times the stated error; .94 to 1.04 measured in four views"),
     "mean of a picture": Tolerance(4.0, "standard errors; about one seed in 16000 goes beyond"),

@@ -75,7 +75,7 @@ road.errors(zoom=2)
 road.scores
 
 # %% [markdown]
-# The values are rms errors of linear radiance, except `visible`, which counts thresholds of the eye. The parts add
+# The values are rms errors of linear radiance, except `visible flicker`, which counts thresholds of the eye. The parts add
 # up as squares, exactly: error² = bias² + detail² + flicker².
 #
 # - **bias**: the mean of a neighbourhood is off. It stays, and it is calm.

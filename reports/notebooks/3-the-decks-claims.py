@@ -256,8 +256,8 @@ assert tsl["floor"] < tsl["rms error"]
 # grid cannot carry without some flicker. The reference's own residual flicker says so too.
 
 # %%
-assert hack["visible"] < tsl["visible"]
-{name: f"{row['visible']:.1f} thresholds" for name, row in scores.items()}
+assert hack["visible flicker"] < tsl["visible flicker"]
+{name: f"{row['visible flicker']:.1f} thresholds" for name, row in scores.items()}
 
 # %% [markdown]
 # The deck ends on the question how to make *non-linear mip chains*. There are answers by now: `toksvig`, `lean`,

@@ -17,7 +17,7 @@
 
 # %%
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -37,7 +37,8 @@ from swimlab.frames import FrameError, frame_path, read_frame, read_geometry, wr
 camera = {"pitch": -28.0}  # degrees: the camera looks down, so that the road fills the picture
 shot = sequences.load("road-drive").with_changes(camera=camera)
 truth = swimlab.study(shot, ["vmf"], size=(160, 90), frames="0-11", samples=64)
-engine = Path(mkdtemp(prefix="swimlab-engine-"))
+temporary = TemporaryDirectory(prefix="swimlab-engine-")  # gone when Python ends
+engine = Path(temporary.name)
 for frame in truth.frames:
     for name, folder in (("vmf", "shot"), ("reference", "truth")):
         pixels = read_frame(frame_path(truth.folder, name, frame))

@@ -22,14 +22,15 @@
 
 # %%
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 import matplotlib.pyplot as plt
 
 import sequences
 import swimlab
 
-folder = Path(mkdtemp(prefix="swimlab-techniques-"))
+temporary = TemporaryDirectory(prefix="swimlab-techniques-")  # gone when Python ends
+folder = Path(temporary.name)
 (folder / "gloss_fade.py").write_text('''
 """Gloss faded with distance: as pixel-aniso, with a highlight that gets broader as the footprint grows."""
 

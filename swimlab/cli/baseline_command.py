@@ -32,12 +32,19 @@ def baseline_command(
         Refuse unless every technique on every sequence comes in so many runs.
     """
     from swimlab.gate.outcome import update_baseline
-    from swimlab.gate.rules import load_gate
+    from swimlab.gate.rules import GateError, load_gate
     from swimlab.gate.table import number
     from swimlab.record import provenance
 
     command = shlex.join(["swimlab", *sys.argv[1:]])
-    baseline = update_baseline(gate, runs, count=count, provenance=provenance(command))
+    try:
+        baseline = update_baseline(gate, runs, count=count, provenance=provenance(command))
+    except GateError as error:
+        for line in str(error).splitlines():
+            print(f"swimlab: {line}", file=sys.stderr)
+        if error.paste:
+            print(f"to switch off what cannot be had, add at the end of {gate}:\n{error.paste}", file=sys.stderr)
+        return 2
     for (sequence, technique), known in baseline.entries.items():
         for name, (mean, sigma) in known.scores.items():
             spread = "unknown" if sigma is None else number(sigma)

@@ -1,32 +1,46 @@
 """What a command would render, said instead of done."""
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from swimlab.plan import Plan
 
 
-def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool) -> None:
-    """Print a line a run: its folder, sequence, size, frames and techniques, and how many pictures lack.
+def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool, json_output: bool = False) -> None:
+    """Print a line a run: its folder, sequence, size, frames and techniques, and how many pictures lack; or JSON.
 
     Raises RunError where rendering would: a folder that holds a run of other settings, unless `force`.
     """
-    for plan, run in zip(plans, runs, strict=True):
-        count = len(plan.frames) * len(plan.techniques)
-        width, height = plan.sequence.size
-        lacking = count - pictures_there(plan, run, force=force)
-        what = f"{plan.sequence.name}, {width}x{height}, {len(plan.frames)} frames of {', '.join(plan.techniques)}"
-        print(f"{run}: {what}: {lacking} of {count} pictures to render")
+    work: list[dict[str, Any]] = [
+        {
+            "run": str(run),
+            "sequence": plan.sequence.name,
+            "size": "{}x{}".format(*plan.sequence.size),
+            "frames": len(plan.frames),
+            "techniques": plan.techniques,
+            "pictures": len(plan.frames) * len(plan.techniques),
+            "done": pictures_there(plan, run, force=force),
+        }
+        for plan, run in zip(plans, runs, strict=True)
+    ]
+    if json_output:
+        print(json.dumps(work, indent=1))
+        return
+    for row in work:
+        what = "{sequence}, {size}, {frames} frames of ".format(**row) + ", ".join(row["techniques"])
+        print(f"{row['run']}: {what}: {row['pictures'] - row['done']} of {row['pictures']} pictures to render")
 
 
 def pictures_there(plan: "Plan", run: Path, *, force: bool) -> int:
     """How many of a plan's pictures need not be rendered. Raises RunError for a run of other settings."""
     from swimlab.frames import frame_path
-    from swimlab.run import open_record
+    from swimlab.run import earlier_record, outdated
 
-    if force or not (run / "run.json").exists():
+    record = None if force else earlier_record(plan, run, force=False)
+    if record is None:
         return 0
-    open_record(plan, run, force=False, command="")
-    return sum(frame_path(run, name, frame).exists() for name in plan.techniques for frame in plan.frames)
+    kept = set(plan.techniques) - set(outdated(plan, record))
+    return sum(frame_path(run, name, frame).exists() for name in kept for frame in plan.frames)

@@ -35,6 +35,14 @@ class Reports:
     summary: Path | None = None
     annotations: bool | None = None
 
+    def write_error(self, gate: Path, message: str) -> None:
+        """Say in the JUnit file, if one is wanted, that the gate could not run: a CI server shows nothing else."""
+        from swimlab.files import write_text
+        from swimlab.gate.junit import junit_error
+
+        if self.junit is not None:
+            write_text(self.junit, junit_error(gate, message))
+
     def write(self, outcome: "Outcome") -> None:
         """Write every report that is wanted."""
         from swimlab.files import write_json, write_text
@@ -76,7 +84,12 @@ def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, 
     from swimlab.gate.table import print_table
     from swimlab.record import provenance
 
-    outcome = run_gate(gate, runs, provenance=provenance(shlex.join(["swimlab", *sys.argv[1:]])))
+    reports = reports or Reports()
+    try:
+        outcome = run_gate(gate, runs, provenance=provenance(shlex.join(["swimlab", *sys.argv[1:]])))
+    except (ValueError, OSError) as error:
+        reports.write_error(gate, str(error))
+        raise
     print_table(outcome)
-    (reports or Reports()).write(outcome)
+    reports.write(outcome)
     return outcome.exit_code

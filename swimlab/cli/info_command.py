@@ -13,7 +13,8 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     Parameters
     ----------
     what:
-        A run folder, the name of a sequence in the library, a .toml file; or frames: a pattern, a folder, a file.
+        A run folder, a folder or file of scores, the name of a sequence in the library, a .toml file; or frames: a
+        pattern, a folder, a file. Bad frames end with exit code 2.
     json_output:
         Print it as JSON, a run folder's run.json in full.
     """
@@ -21,10 +22,13 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     from swimlab.record import Record
 
     if json_output:
-        print(json.dumps(_as_json(what), indent=1, allow_nan=False))
-        return 0
+        content = _as_json(what)
+        print(json.dumps(content, indent=1, allow_nan=False))
+        return 2 if content.get("bad frames") else 0
     if holds_frames(what):
-        print_frames(what)
+        return print_frames(what)
+    if _holds_scores(Path(what)):
+        print_scores_of(Path(what))
         return 0
     if not Path(what).is_dir():
         print_sequence(what)
@@ -51,18 +55,52 @@ def _as_json(what: str) -> dict[str, Any]:
     from swimlab.record import Record
 
     if holds_frames(what):
-        return dict(describe(what))
+        lines, bad = describe(what)
+        return {**dict(lines), "bad frames": bad}
+    if _holds_scores(Path(what)):
+        from swimlab.gate.measured import read_content, scores_path
+
+        return read_content(scores_path(Path(what)))
     if not Path(what).is_dir():
         return load_sequence(what).model_dump(mode="json")
     return {**vars(Record.read(Path(what))), "measured": (Path(what) / "scores.json").is_file()}
 
 
-def print_frames(name: str) -> None:
-    """Print what frames were taken for: range, channels, size, type, colour space, motion convention."""
+def print_frames(name: str) -> int:
+    """Print what frames were taken for: range, channels, size, type, colour space, motion convention.
+
+    Returns 2 where frames are bad, else 0.
+    """
     from swimlab.footage.describe import describe
 
-    for heading, value in describe(name):
+    lines, bad = describe(name)
+    for heading, value in [*lines, *(("bad frame", problem) for problem in bad)]:
         print(f"{heading:<11} {value}")
+    return 2 if bad else 0
+
+
+def _holds_scores(path: Path) -> bool:
+    """Whether it is a file of scores, or a folder of them that is no run."""
+    if path.is_dir():
+        return (path / "scores.json").is_file() and not (path / "run.json").exists()
+    return path.suffix == ".json" and path.is_file()
+
+
+def print_scores_of(path: Path) -> None:
+    """Print of what and under which settings scores were measured, and what a reader should know beside them."""
+    from swimlab.gate.measured import read_content, read_entries, scores_path
+
+    content = read_content(scores_path(path))
+    for entry in read_entries(path):
+        print(f"scores of   {entry.sequence}, {entry.technique}: {len(entry.scores)}")
+        print(f"frames      {entry.settings.extent}")
+        print(f"domain      {entry.settings.domain}")
+    for key, value in content["provenance"].items():
+        if key != "domain" and not isinstance(value, dict):
+            print(f"{key:<11} {value}")
+    for entry in content["sequences"]:
+        for note in entry.get("notes", []):
+            print(f"note        {note}")
 
 
 def print_sequence(name: str) -> None:

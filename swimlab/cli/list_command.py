@@ -1,14 +1,22 @@
 """`swimlab list`."""
 
 import json
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
+from swimlab.record import RunError
+
 Kind = Literal["techniques", "sequences", "brdfs", "metrics"]
 
+IN_JSON = {"sequences": "file", "metrics": "source"}
+"""Columns that the table of a kind has no room for."""
 
-def list_command(kind: Kind, /, *, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False) -> int:
+
+def list_command(
+    kind: Kind | None = None, /, *, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False
+) -> int:
     """List what there is to choose from.
 
     Parameters
@@ -18,37 +26,76 @@ def list_command(kind: Kind, /, *, json_output: Annotated[bool, Parameter(name="
     json_output:
         Print it as JSON instead of a table.
     """
+    if kind is None:
+        raise RunError(f"list: name what to list: {', '.join(get_args(Kind))}")
+    rows = _rows(kind)
+    if json_output:
+        print(json.dumps(rows, indent=1))
+        return 0
     from rich.console import Console
     from rich.table import Table
 
-    columns, rows = _rows(kind)
-    if json_output:
-        print(json.dumps([dict(zip(columns, row, strict=True)) for row in rows], indent=1))
-        return 0
-    table = Table(*columns, box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*row)
+    shown = [column for column in rows[0] if column != IN_JSON.get(kind)]
+    table = Table(*shown, box=None, pad_edge=False)
+    for row in _folded(rows) if kind == "metrics" else rows:
+        table.add_row(*(row[column] for column in shown))
     Console().print(table)
     return 0
 
 
-def _rows(kind: Kind) -> tuple[list[str], list[tuple[str, ...]]]:
+def _rows(kind: Kind) -> list[dict[str, str]]:
     if kind == "sequences":
-        from sequences import library, load
+        from sequences import library
 
-        found = [(name, load(name)) for name in library()]
-        return ["sequence", "motion", "frames", "size", "file"], [
-            (name, s.motion.kind, str(s.frames), "{}x{}".format(*s.size), str(library()[name])) for name, s in found
-        ]
+        return [_sequence(name, path) for name, path in library().items()]
     if kind == "metrics":
         from metrics import METRICS
 
-        return ["metric", "unit", "better", "what it says"], [
-            (name, metric.unit, metric.better, metric.description) for name, metric in METRICS.items()
+        return [
+            {
+                "metric": name,
+                "unit": metric.unit,
+                "better": metric.better,
+                "what it says": metric.description,
+                "source": metric.source,
+            }
+            for name, metric in METRICS.items()
         ]
     from swimlab.catalogue import brdfs, techniques
 
     entries = techniques() if kind == "techniques" else brdfs()
-    return [kind.removesuffix("s"), "what it is", "source"], [
-        (name, entry.summary, entry.source) for name, entry in entries.items()
+    return [
+        {kind.removesuffix("s"): name, "what it is": entry.summary, "source": entry.source}
+        for name, entry in entries.items()
     ]
+
+
+def _sequence(name: str, path: Path) -> dict[str, str]:
+    """A sequence of the library; what it is says the comment that its file starts with."""
+    from sequences import load
+
+    sequence = load(name)
+    return {
+        "sequence": name,
+        "motion": sequence.motion.kind,
+        "frames": str(sequence.frames),
+        "size": "{}x{}".format(*sequence.size),
+        "what it is": path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# "),
+        "file": str(path),
+    }
+
+
+def _folded(rows: list[dict[str, str]]) -> list[dict[str, str]]:
+    """Metrics without their variants by band, which are named beside what they are of."""
+    from metrics.bands import BANDS
+
+    names = {row["metric"] for row in rows}
+    found = []
+    for row in rows:
+        whole, _, band = row["metric"].rpartition(".")
+        if band in BANDS and whole in names:
+            continue
+        bands = [f".{band}" for band in BANDS if f"{row['metric']}.{band}" in names]
+        also = f"; also {', '.join(bands)}" if bands else ""
+        found.append(row | {"what it says": row["what it says"] + also})
+    return found

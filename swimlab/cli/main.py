@@ -7,7 +7,7 @@ import warnings
 # Work is shared among threads of our own; those of BLAS would fight them for the cores.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from cyclopts import App
+from cyclopts import App, CycloptsError
 
 from swimlab import __version__
 from swimlab.cli.bench_command import bench_command
@@ -44,8 +44,13 @@ app.command(bench_command)
 def main() -> None:
     """Run the command line. Exit codes: 0 good, 1 a gate failed, 2 could not run, 130 interrupted."""
     warnings.showwarning = _show_warning
+    for name in set(sys.argv[1:2]) & set(COMMANDS):
+        app[name].help = None  # its own page has all that its docstring says
     try:
-        app()
+        try:
+            app(print_error=False, exit_on_error=False)
+        finally:
+            sys.stdout.flush()  # a reader that is gone is noticed here, and not at exit
     except KeyboardInterrupt:
         print(
             "swimlab: interrupted; what was written is whole, the same command goes on from there",
@@ -55,7 +60,7 @@ def main() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(2)
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, CycloptsError) as error:
         if os.environ.get("SWIMLAB_TRACEBACK"):
             raise
         for line in str(error).splitlines():

@@ -38,13 +38,13 @@ def measure_command(
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     output:
-        Write the scores to this file too, as JSON.
+        Write scores.json and frames.csv into this folder too; a name that ends in .json: the scores, into this file.
     peers:
         Metrics of other projects to add as columns, with commas: flip, flip-oiio, vdp.
     json_output:
         Print the scores as JSON instead of a table.
     quiet:
-        Show no progress, and no notes.
+        Show no progress and no notes, only warnings.
     """
     footage = footage or Footage()
     others = tuple(name.strip() for name in peers.split(",")) if peers else ()
@@ -55,16 +55,15 @@ def measure_command(
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), quiet=quiet)
     else:
         scores = _measure_footage(footage, domain, peers=others, quiet=quiet)
-    if output is not None:
-        from swimlab.files import write_json
-
-        write_json(output, scores)
+    written = None if output is None else _write(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
     else:
         from swimlab.cli.scores import print_scores
 
         print_scores([scores])
+        if written is not None:
+            print(written)
     return 0
 
 
@@ -96,7 +95,10 @@ def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], 
         if not quiet:
             print(f"swimlab: {text}", file=sys.stderr)
 
-    subject = Subject(footage.request(domain), say)
+    def warn(text: str) -> None:
+        print(f"swimlab: warning: {text}", file=sys.stderr)
+
+    subject = Subject(footage.request(domain), say, warn)
     with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
         scores = measure_subject(subject, peers=peers, command=command, advance=lambda *_: advance(""))
@@ -106,10 +108,34 @@ def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], 
 
 
 def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
-    """Families of scores ("budget") of which there is none, each with a reason why."""
+    """Families of scores ("budget") of which there is none, each with the reason why its main one is absent."""
+    from swimlab.columns import COLUMNS
+
     there = {name.partition(".")[0] for name in entry["scores"]}
-    absent = {name.partition(".")[0]: reason for name, reason in reversed(entry["absent"].items())}
-    return {family: reason for family, reason in sorted(absent.items()) if family not in there}
+    main = [name for name, _ in COLUMNS.values() if name in entry["absent"]]
+    reasons: dict[str, str] = {}
+    for name in [*main, *entry["absent"]]:
+        reasons.setdefault(name.partition(".")[0], entry["absent"][name])
+    return {
+        family: reason.replace("pixels per degree", "--pixels-per-degree")
+        for family, reason in sorted(reasons.items())
+        if family not in there
+    }
+
+
+def _write(output: Path, scores: dict[str, Any]) -> Path:
+    """Write scores into a folder as a run has them, or into a .json file; return the file's path."""
+    from swimlab.files import write_json, write_text
+    from swimlab.gate.measured import scores_path
+    from swimlab.measure import frames_table
+
+    path = scores_path(output)
+    if path != output:
+        if output.is_file():
+            raise RunError(f"--output {output}: is a file; name a folder, or a file that ends in .json")
+        write_text(output / "frames.csv", frames_table(scores["sequences"]))
+    write_json(path, scores)
+    return path
 
 
 def _refuse_footage(footage: Footage) -> None:

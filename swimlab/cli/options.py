@@ -52,11 +52,9 @@ class Rendering:
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> "Plan":
         """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
-        from swimlab.plan import make_plan
-        from swimlab.record import RunError
+        from swimlab.plan import check_threads, make_plan
 
-        if self.threads is not None and self.threads < 1:
-            raise RunError(f"--threads {self.threads}: must be at least 1")
+        check_threads(self.threads)
         return make_plan(
             sequence_name,
             techniques,

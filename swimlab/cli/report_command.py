@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swimlab.record import RunError
+from swimlab.record import Record, RunError
 from swimlab.results import merge_scores, read_scores, run_folders
 
 
@@ -20,7 +20,7 @@ def report_command(
     Parameters
     ----------
     runs:
-        Run folders, or a folder of run folders as 'swimlab study' writes.
+        Run folders in the order of the page, or a folder of run folders as 'swimlab study' writes.
     output:
         The page to write (default: report.html in the first folder), or with --folder the folder (default: report).
     folder:
@@ -34,7 +34,7 @@ def report_command(
 
     if not runs:
         raise RunError("report: name at least one run folder")
-    folders = [path for run in runs for path in run_folders(run)]
+    folders = [path for run in runs for path in _in_order(run)]
     scores = merge_scores([read_scores(path) for path in folders])
     if folder:
         page = (output or runs[0] / "report") / PAGE
@@ -45,3 +45,13 @@ def report_command(
         write_report(folders, scores, page)
     print(page)
     return 0
+
+
+def _in_order(run: Path) -> list[Path]:
+    """The folder itself, or the runs in it in the order of its scores.json where it has one; others by name."""
+    found = run_folders(run)
+    if found == [run] or not (run / "scores.json").is_file():
+        return found
+    order = list(dict.fromkeys(entry["sequence"] for entry in read_scores(run)["sequences"]))
+    names = {path: Record.read(path).sequence["name"] for path in found}
+    return sorted(found, key=lambda path: order.index(names[path]) if names[path] in order else len(order))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from swimlab.columns import COLUMNS
+from swimlab.columns import COLUMNS, MARKS, marked, roots
 from swimlab.resolution import LEGEND, MARK, unresolved
 from swimlab.terminal import print_whole
 
@@ -17,15 +17,15 @@ def print_scores(all_scores: Sequence[dict[str, Any]]) -> None:
         entries = scores["sequences"]
         shown = {h: c for h, c in COLUMNS.items() if any(c[0] in entry["scores"] for entry in entries)}
         close = {name: unresolved(entries, name) for name, _ in shown.values()}
-        title = f"{entries[0]['sequence']}, {scores['provenance']['domain']}: rms radiance, lower is better"
+        title = f"{entries[0]['sequence']}, {scores['provenance']['domain']}: rms radiance; {MARKS}"
         table = Table(Column("technique", no_wrap=True), title=title, box=box.SIMPLE_HEAD, title_justify="left")
+        table.caption_justify = "left"
         for heading in shown:
-            table.add_column(heading, justify="right")
+            table.add_column(marked(heading), justify="right")
         for entry in entries:
-            marked = (name for name, _ in shown.values() if entry["technique"] in close[name])
-            table.add_row(entry["technique"], *_cells(entry["scores"], shown, set(marked)))
-        if any(close.values()):
-            table.caption = LEGEND
+            unsure = (name for name, _ in shown.values() if entry["technique"] in close[name])
+            table.add_row(entry["technique"], *_cells(entry["scores"], shown, set(unsure)))
+        table.caption = "\n".join([roots(list(shown)), LEGEND if any(close.values()) else ""]).strip() or None
         print_whole(table)
 
 

@@ -1,6 +1,7 @@
 """`swimlab study`."""
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +13,7 @@ from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.files import write_json
 from swimlab.measure import Domain
-from swimlab.record import REFERENCE
+from swimlab.record import REFERENCE, RunError
 from swimlab.results import merge_scores
 
 ROAD = ("road-shift", "road-drive", "road-scale")
@@ -51,9 +52,14 @@ def study_command(
     rendering = rendering or Rendering()
     names = technique_names(None if techniques is None else f"{techniques},{REFERENCE}")
     plans = [rendering.plan(name, names) for name in sequences or ROAD]
+    for name, count in Counter(plan.sequence.name for plan in plans).items():
+        if count > 1:
+            raise RunError(
+                f"{name}: {count} of the sequences are named so, and would write one folder; rename or drop one"
+            )
     folders = [output if len(plans) == 1 else output / plan.sequence.name for plan in plans]
     if rendering.dry_run:
-        print_plans(plans, folders, force=rendering.force)
+        print_plans(plans, folders, force=rendering.force, json_output=json_output)
         return 0
     for plan, run in zip(plans, folders, strict=True):
         render_with_progress(plan, run, rendering)

@@ -5,7 +5,7 @@ import re
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from swimlab.cli.progress import progress
 from swimlab.record import RunError
 
 if TYPE_CHECKING:
+    from swimlab.sweep.chunk import Chunk
     from swimlab.sweep.run import Work
     from swimlab.sweep.task import Engine
 
@@ -62,17 +63,19 @@ def sweep_command(
     dry_run:
         Say what there is to do, and do nothing.
     json_output:
-        Print JSON instead of tables.
+        Print JSON instead of a table.
     quiet:
         Show no progress.
     """
+    from swimlab.plan import check_threads
     from swimlab.sweep.file import load_sweep
     from swimlab.sweep.run import Outcome, Work, finish, render_chunks
 
     if scheduler is not None and engine != "dask":
         raise RunError(f"--scheduler {scheduler}: is for --engine dask; add that")
-    if threads is not None and threads < 1:
-        raise RunError(f"--threads {threads}: must be at least 1")
+    check_threads(threads)
+    if only is not None and json_output and not dry_run:
+        raise RunError("--json: with --only nothing is measured that could be printed; leave it out")
     work = Work.of(load_sweep(sweep))
     out = (output or Path("runs") / work.sweep.name).absolute()
     if export is not None:
@@ -82,7 +85,7 @@ def sweep_command(
         first, step = parse_share(only)
         chunks = chunks[first - 1 :: step]
     if dry_run:
-        return _say_what_is_to_do(work, out, json_output=json_output)
+        return _say_what_is_to_do(work, chunks, out, json_output=json_output)
     show = partial(progress, quiet=quiet)
     with _engine(engine, scheduler, threads) as perform:
         failures = render_chunks(chunks, out, perform, threads=_threads(engine, scheduler, threads), show=show)
@@ -90,7 +93,7 @@ def sweep_command(
         outcome = Outcome() if only is not None else finish(work, out, perform, command=command, show=show)
     failures |= outcome.failures
     if outcome.scores:
-        _print_scores(outcome.scores, out, json_output=json_output)
+        _print_scores(work, outcome.scores, out, json_output=json_output)
     if failures:
         _say_what_failed(failures, out)
     return 2 if failures else 0
@@ -131,8 +134,7 @@ def _export(work: "Work", sweep: Path, path: Path) -> int:
     return 0
 
 
-def _say_what_is_to_do(work: "Work", out: Path, *, json_output: bool) -> int:
-    chunks = work.distinct()
+def _say_what_is_to_do(work: "Work", chunks: "Sequence[Chunk]", out: Path, *, json_output: bool) -> int:
     every = Counter(chunk.technique for chunk in chunks)
     done = Counter(chunk.technique for chunk in chunks if chunk.path(out).exists())
     frames = Counter({name: sum(len(c.frames) for c in chunks if c.technique == name) for name in every})
@@ -151,17 +153,17 @@ def _say_what_is_to_do(work: "Work", out: Path, *, json_output: bool) -> int:
     return 0
 
 
-def _print_scores(scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
-    from swimlab.cli.scores import print_scores
+def _print_scores(work: "Work", scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
     from swimlab.files import write_json
     from swimlab.results import merge_scores
+    from swimlab.sweep.table import print_sweep
 
     merged = merge_scores(scores)
     write_json(out / "scores.json", merged)
     if json_output:
         print(json.dumps(merged, indent=1, allow_nan=False))
         return
-    print_scores(scores)
+    print_sweep(work, scores, out)
     print(out / "scores.json")
 
 

@@ -1,6 +1,7 @@
 """`swimlab table`."""
 
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -70,9 +71,9 @@ def table_command(
 
 
 def _split(words: tuple[str, ...]) -> tuple[list[Path], str | None]:
-    """The runs, and the query: the last word where it has blanks and is no path."""
+    """The runs, and the query: the last word where it has blanks or is empty, and is no path."""
     *others, last = words or ("",)
-    is_query = any(map(str.isspace, last)) and not Path(last).exists()
+    is_query = len(last.split()) != 1 and not os.path.exists(last)  # noqa: PTH110 - Path's raises for a long query
     return [Path(word) for word in (others if is_query else words)], last if is_query else None
 
 

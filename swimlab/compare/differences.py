@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from swimlab.gate.measured import Entry
+from swimlab.gate.measured import Entry, flat
 from swimlab.record import REFERENCE, Record
 
 VERSIONS = ("swimlab", "warp", "numpy", "python", "machine")
@@ -27,11 +27,16 @@ class Difference:
         """Whether a technique's scores may depend on it: its own settings, the reference's, and what is for all."""
         if self.kind != "settings":
             return False
-        table, _, rest = self.key.partition(".")
-        return table != "techniques" or rest.partition(".")[0] in (technique, REFERENCE)
+        return concerns(self.key, technique) or concerns(self.key, REFERENCE)
 
     def __str__(self) -> str:
         return f"{self.key} {_words(self.before)} → {_words(self.after)}"
+
+
+def concerns(key: str, technique: str) -> bool:
+    """Whether a technique's pixels may depend on a key of the sequence: its own settings', and what is for all."""
+    table, _, rest = key.partition(".")
+    return table != "techniques" or rest.partition(".")[0] == technique
 
 
 def differences(before: Entry, after: Entry) -> list[Difference]:
@@ -61,20 +66,21 @@ def differences(before: Entry, after: Entry) -> list[Difference]:
     if None in hashes:
         found.append(Difference("settings hash", *hashes))
     elif hashes[0] != hashes[1]:
-        one, other = _settings(before), _settings(after)
-        known = [Difference(key, *values) for key, *values in _unlike(one, other)] if one and other else []
-        explained = known or any(each.key.endswith("swimlab") for each in versions)
+        one, other = settings_of(before), settings_of(after)
+        unlike = list(_unlike(one, other)) if one and other else []
+        explained = unlike or any(each.key.endswith("swimlab") for each in versions)
+        known = [Difference(key, *values) for key, *values in unlike if key != "name"]
         found += known if explained else [Difference("settings hash", *hashes)]
     return found + names + versions
 
 
-def _settings(entry: Entry) -> dict[str, Any]:
+def settings_of(entry: Entry) -> dict[str, Any]:
     """All settings of the rendering, or of frames that swimlab did not render, flat; empty where they are not known."""
     if entry.folder is None:
-        return dict(_flat(entry.provenance.get("settings", {})))
+        return dict(flat(entry.provenance.get("settings", {})))
     record = Record.read(entry.folder)
-    flat = dict(_flat(record.sequence | record.settings))
-    return {key: value for key, value in flat.items() if not key.startswith(SHOWN_ELSEWHERE)}
+    settings = dict(flat(record.sequence | record.settings))
+    return {key: value for key, value in settings.items() if not key.startswith(SHOWN_ELSEWHERE)}
 
 
 def _versions(entry: Entry) -> dict[str, Any]:
@@ -87,14 +93,6 @@ def _unlike(one: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, A
     for key in dict.fromkeys((*one, *other)):
         if one.get(key) != other.get(key):
             yield key, one.get(key), other.get(key)
-
-
-def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 def _words(value: Any) -> str:

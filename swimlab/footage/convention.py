@@ -7,7 +7,7 @@ as it is read back (render targets are flipped where uv starts at the top). Nuke
 frame, px with y up.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -42,11 +42,6 @@ class Convention:
         share = {"px": (1.0, 1.0), "ndc": (size[0] / 2, size[1] / 2), "uv": (float(size[0]), float(size[1]))}[self.unit]
         down = 1.0 if self.y == "down" else -1.0
         return np.array([share[0] * self.scale[0], down * share[1] * self.scale[1]], np.float32)
-
-    def turned(self, *, x: float = 1.0, y: float = 1.0, direction: Direction | None = None) -> "Convention":
-        """The same with axes flipped or another direction."""
-        scale = (self.scale[0] * x, self.scale[1] * y)
-        return replace(self, scale=scale, direction=direction or self.direction)
 
 
 PRESETS: dict[str, Convention] = {

@@ -11,8 +11,11 @@ from swimlab.footage.reader import open_frames
 from swimlab.frames import FrameError
 
 
-def describe(name: str) -> list[tuple[str, str]]:
-    """What a pattern, folder, file or video was taken for, as headings and values. Raises FrameError."""
+def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
+    """What a pattern, folder, file or video was taken for, as headings and values; what is wrong with its frames.
+
+    Frames that are cut short are found too. Raises FrameError.
+    """
     reader = open_frames(name)
     header = reader.header
     lines = [
@@ -38,8 +41,8 @@ def describe(name: str) -> list[tuple[str, str]]:
         problems = reader.problems(part_index, channels)
     except FrameError:
         problems = reader.problems(0, ())
-    lines += [("bad frame", problem) for _, problem in sorted(problems.items())]
-    return lines
+    problems = reader.damage() | problems
+    return lines, [problem for _, problem in sorted(problems.items())]
 
 
 def _colour(header: Header, name: str) -> list[tuple[str, str]]:

@@ -84,9 +84,34 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
     pixels = source.read_image(part, 0, 0, len(names), oiio.FLOAT)
     source.close()
     if pixels is None:
-        raise FrameError(f"{path}: is damaged: {source.geterror()}")
+        raise FrameError(f"{path}: is damaged: {source.geterror().strip()}")
     chosen = np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)
     return _in_display_window(chosen, spec)
+
+
+def find_damage(path: Path) -> str:
+    """What is wrong with a file's data, empty if nothing: what is written first and last is read, tiles in full."""
+    import OpenImageIO as oiio  # noqa: N813
+
+    try:
+        source = _open(path)
+    except FrameError as error:
+        return str(error)
+    part = 0
+    while source.seek_subimage(part, 0):
+        spec = source.spec()
+        if spec.tile_width:
+            read = [source.read_image(part, 0, 0, spec.nchannels, oiio.FLOAT)]
+        else:
+            rows = {spec.y, spec.y + spec.height - 1}
+            read = [source.read_scanlines(part, 0, y, y + 1, 0, 0, spec.nchannels, oiio.FLOAT) for y in sorted(rows)]
+        if any(pixels is None for pixels in read):
+            return f"{path}: is damaged: {source.geterror().strip()}"
+        part += 1
+    source.close()
+    # What seeking past the last part, or decoding with a warning, leaves behind is no fault of the frame.
+    source.geterror()
+    return ""
 
 
 def _open(path: Path) -> Any:

@@ -1,5 +1,6 @@
 """How the surface moves between frames: one vector for all, or a file of vectors a frame."""
 
+from copy import copy
 from functools import lru_cache
 from typing import Protocol
 
@@ -7,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from swimlab.footage.convention import Convention, Direction
+from swimlab.footage.convention import Convention
 from swimlab.footage.reader import Reader
+from swimlab.footage.readings import other_conventions, other_velocities
 from swimlab.footage.source import Box, check_finite
 from swimlab.frames import FrameError, Image
 
@@ -46,12 +48,8 @@ class UniformMotion:
         return np.broadcast_to(step, (*self._shape, 2))
 
     def variants(self) -> dict[str, tuple[str, Motion]]:
-        x, y = self.velocity
-        return {
-            name: (f"--motion {dx:g},{dy:g}", UniformMotion((dx, dy), self._shape))
-            for name, dx, dy in (("x flipped", -x, y), ("y flipped", x, -y), ("both flipped", -x, -y))
-            if (dx, dy) != (x, y)
-        }
+        others = other_velocities(self.velocity, self._shape[::-1])
+        return {name: (setting, UniformMotion(velocity, self._shape)) for name, (velocity, setting) in others.items()}
 
 
 class FieldMotion:
@@ -66,7 +64,7 @@ class FieldMotion:
         self._part = part
         self._crop = crop
         self._factors = convention.factors(reader.header.size)
-        self._field = lru_cache(maxsize=4)(self._read)
+        self._stored = lru_cache(maxsize=4)(self._read)
 
     def back(self, points: Points, start: int, stop: int) -> Points:
         for index in range(start, stop, -1):
@@ -82,33 +80,32 @@ class FieldMotion:
         return np.moveaxis(travelled[::-1].reshape(2, height, width), 0, 2).astype(np.float32)
 
     def variants(self) -> dict[str, tuple[str, Motion]]:
-        now = self.convention
-        other: Direction = "forward" if now.direction == "backward" else "backward"
-        x, y = now.scale
-        flips = {
-            "x flipped": (now.turned(x=-1), f"--motion-scale {-x:g},{y:g}"),
-            "y flipped": (now.turned(y=-1), f"--motion-y {'up' if now.y == 'down' else 'down'}"),
-            "both flipped": (now.turned(x=-1, y=-1), f"--motion-scale {-x:g},{-y:g}"),
-            f"{other}": (now.turned(direction=other), f"--motion-direction {other}"),
-            f"{other}, both flipped": (
-                now.turned(x=-1, y=-1, direction=other),
-                f"--motion-direction {other} --motion-scale {-x:g},{-y:g}",
-            ),
-        }
-        return {
-            name: (setting, FieldMotion(self.reader, self._part, self.channels, convention, self._crop))
-            for name, (convention, setting) in flips.items()
-        }
+        others = other_conventions(self.convention, self.channels, self.reader.header.size)
+        return {name: (setting, self._read_as(convention)) for name, (convention, setting) in others.items()}
+
+    def _read_as(self, convention: Convention) -> Motion:
+        """The same files, read once for all readings."""
+        other = copy(self)
+        other.convention = convention
+        other._factors = convention.factors(self.reader.header.size)
+        return other
+
+    def _field(self, index: int) -> Image:
+        """[H, W, 2] px right and down, in the convention's direction."""
+        return self._stored(index) * self._factors
+
+    def _vectors(self, index: int, points: Points) -> Points:
+        """(y, x) px at points."""
+        return sample(self._stored(index), points) * self._factors[::-1, None]
 
     def _step(self, points: Points, index: int) -> Points:
         """One frame back from `index`."""
         if self.convention.direction == "backward":
-            return points - sample(self._field(index), points)
+            return np.asarray(points - self._vectors(index, points))
         # p + field(p) = points, by fixed-point iteration.
-        field = self._field(index - 1)
-        place = points - sample(field, points)
+        place = points - self._vectors(index - 1, points)
         for _ in range(_ROUNDS):
-            better = points - sample(field, place)
+            better = points - self._vectors(index - 1, place)
             gone = float(np.max(np.abs(better - place), initial=0.0))
             place = better
             if gone < _TOLERANCE:
@@ -116,14 +113,13 @@ class FieldMotion:
         return place
 
     def _read(self, index: int) -> Image:
-        """[H, W, 2] px right and down, in the convention's direction."""
+        """[H, W, 2] as stored."""
         stored = self.reader.read(index, self._part, self.channels)
         width, height = self.reader.header.size
         if stored.shape[:2] != (height, width):
             raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are")
         check_finite(stored, self.reader.label(index))
-        field = stored * self._factors
-        return self._crop.cut(field) if self._crop else field
+        return self._crop.cut(stored) if self._crop else stored
 
 
 def sample(field: Image, points: Points) -> Points:

@@ -1,13 +1,17 @@
 """Frames by index, from image files or a video: their header, their stored values, and what is wrong with them."""
 
+import os
 from collections import Counter
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
-from swimlab.footage.header import Header, read_header, read_stored
+from swimlab.footage.header import Header, find_damage, read_header, read_stored
 from swimlab.footage.pattern import Files, find_files, is_video
 from swimlab.footage.video import VideoReader
 from swimlab.frames import FrameError, Image
+
+LEAVE_OUT = "mend the frame, or leave it out with --skip-bad-frames"
 
 
 class Reader(Protocol):
@@ -22,6 +26,9 @@ class Reader(Protocol):
 
     def problems(self, part: int, channels: Sequence[str]) -> dict[int, str]:
         """What is wrong with frames, by index, as far as headers tell: missing, another size, no such channels."""
+
+    def damage(self) -> dict[int, str]:
+        """What is wrong with the data of frames that are there and can be opened, by index: cut short, garbled."""
 
     def read(self, index: int, part: int, channels: Sequence[str]) -> Image:
         """Stored values [H, W, len(channels)], integers scaled to 0..1. Raises FrameError naming the frame."""
@@ -57,11 +64,19 @@ class ImageReader:
                 found[index] = header
             elif header.size != self.header.size:
                 sizes = "{}x{} px, but most frames are {}x{} px".format(*header.size, *self.header.size)
-                found[index] = f"{path}: is {sizes}; all need one size"
+                found[index] = f"{path}: is {sizes}; all need one size: {LEAVE_OUT}"
             elif part >= len(header.parts) or not set(channels) <= set(header.parts[part].channels):
                 names = ", ".join(name for each in header.parts for name in each.channels)
-                found[index] = f"{path}: has no channels {', '.join(channels)} as the others have; it has {names}"
+                found[index] = (
+                    f"{path}: has no channels {', '.join(channels)} as the others have; it has {names}; {LEAVE_OUT}"
+                )
         return found
+
+    def damage(self) -> dict[int, str]:
+        opened = [index for index in range(len(self._paths)) if isinstance(self._header(index), Header)]
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            found = dict(zip(opened, pool.map(lambda index: find_damage(self._paths[index]), opened), strict=True))
+        return {index: fault for index, fault in found.items() if fault}
 
     def read(self, index: int, part: int, channels: Sequence[str]) -> Image:
         if self.numbers[index] in self._missing:
@@ -77,7 +92,7 @@ class ImageReader:
                 try:
                     self._headers[index] = read_header(self._paths[index])
                 except FrameError as error:
-                    self._headers[index] = str(error)
+                    self._headers[index] = f"{error}; {LEAVE_OUT}"
         return self._headers[index]
 
     def _typical(self) -> Header:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour
 from swimlab.footage.colour import ColourSpace, decode, quantisation_floor, resolve
-from swimlab.footage.reader import Reader
+from swimlab.footage.reader import LEAVE_OUT, Reader
 from swimlab.frames import FrameError, Image
 
 AlphaUse = Literal["ignore", "mask", "unpremultiply"]
@@ -112,10 +112,13 @@ class Source:
         return (*self.channels, self._alpha) if self._alpha is not None else self.channels
 
     def _stored(self, index: int) -> Image:
-        pixels = self.reader.read(index, self.part, self._wanted)
+        try:
+            pixels = self.reader.read(index, self.part, self._wanted)
+        except FrameError as error:
+            raise FrameError(f"{error}; {LEAVE_OUT}") from error
         width, height = self.reader.header.size
         if pixels.shape[:2] != (height, width):
-            raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are")
+            raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are; {LEAVE_OUT}")
         return self._look.crop.cut(pixels) if self._look.crop else pixels
 
 

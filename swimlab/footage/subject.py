@@ -54,11 +54,15 @@ class Request:
 class Subject:
     """The opened inputs of a request: which frames are measured, and how they move."""
 
-    def __init__(self, request: Request, say: Callable[[str], None]) -> None:
-        """Raises FrameError where inputs do not fit together or a frame is bad."""
+    def __init__(self, request: Request, say: Callable[[str], None], warn: Callable[[str], None]) -> None:
+        """say, warn: told what a reader should know for the scores, and what may make them wrong.
+
+        Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
+        """
         self.notes: list[str] = []
         self.request = request
         self._say = say
+        self._warn = warn
         look = request.look
         self.test = Source(open_frames(request.test, frames=request.frames), look)
         self.reference = None
@@ -134,7 +138,9 @@ class Subject:
         """What to call the motion, and the motion."""
         request = self.request
         if request.motion is None:
-            self.note("no --motion: the picture is taken to stand still")
+            self.note(
+                "no motion given: nothing is taken to move; if the camera moves, give --motion or --motion estimate"
+            )
             return "none", UniformMotion((0.0, 0.0), self.test.shape)
         if request.motion == ESTIMATE:
             from swimlab.footage.estimate import EstimatedMotion
@@ -174,10 +180,14 @@ class Subject:
         if self.motion_kind not in ("uniform", "fields"):
             return
         source = self.reference or self.test
-        checked = verify(self.motion, source.picture, self._coverage(), self.kept)
-        for line in checked.lines():
-            self.note(line)
+        clean = self.reference is not None
+        checked = verify(self.motion, source.picture, self._coverage(), self.kept, clean=clean)
         checked.check()
+        if checked.note:
+            self.note(checked.note)
+        if checked.doubt:
+            self.notes.append(f"motion not verified: {checked.doubt}")
+            self._warn(self.notes[-1])
 
     def _good_frames(self) -> list[int]:
         """Indices of the frames to measure. Raises FrameError for the first bad one, unless bad ones are skipped."""

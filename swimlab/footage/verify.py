@@ -1,26 +1,36 @@
 """Motion verified by warping: the right reading of the vectors brings an earlier frame onto a later one.
 
 For a few pairs of frames the later one is compared with the earlier one taken from where the motion says; so for every
-sign and direction, and for no motion at all. Residuals are rms differences, but for the tenth of the points that differ
-most, since what comes into view was nowhere before; over those of points paired at random: 0 for a perfect match, 1 for
-pictures that have nothing to do with each other.
+other sign, direction, unit and length, and for no motion at all. Residuals are rms differences, but for the tenth of
+the points that differ most, since what comes into view was nowhere before; over those of points paired at random: 0 for
+a perfect match, 1 for pictures that have nothing to do with each other. Frames of which no motion explains much may be
+noise: then motion is refused only where optical flow explains far more.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage
 
+from swimlab.footage.estimate import EstimatedMotion
 from swimlab.footage.motion import Motion, Points
+from swimlab.footage.warping import GIVEN, IDENTITY, WHOLE, Pair, Rival, grid, residuals_of
 from swimlab.frames import FrameError, Image
 
-GIVEN = "as given"
-IDENTITY = "no motion"
+FLOWING = "optical flow"
 
 CLEAR = 0.8
 """A reading wins clearly where its residual is under this share of the given one's: two thirds of the energy."""
+
+LOW = 0.3
+"""Residual up to which motion is verified: it explains nine tenths of the energy."""
+POOR = 0.5
+"""Residual from which on motion does not explain the frames, unless they are noise: noise makes this residual where its
+rms is 0.58 of the picture's own. A reading that leaves more refuses no other: smooth noise may look alike by chance."""
+FLOW = 0.3
+"""Optical flow explains frames that the motion does not where it leaves less than this share. It fits noise to noise
+too: of white noise it leaves 0.9, of smooth noise 0.4 to 0.7."""
 
 TRAVEL = 1.5
 """Frames are compared so far apart that a quarter of the covered points travels this far, px: the rest may be sky."""
@@ -29,57 +39,40 @@ APART = 16
 LEAST = 0.2
 """Less travel than this cannot be told from none, px."""
 
-WHOLE = 1 - 1e-6
-"""Coverage from which on a pixel is wholly covered."""
-
 _PAIRS = 3
-_POINTS = 20_000
-_FLAT = 1e-6
-_HIDDEN = 0.1
-"""Share of the points that may have come into view, or be at an edge of the motion."""
+_ALIKE = 0.01
+"""Residuals nearer to each other than this are alike."""
+_PACED = 2_000
+"""Points that say how fast a reading is."""
 _MOVING = 0.75
-_SEEN = 0.05
-"""Share of the points that must stay in the frame under every reading."""
 
 
 @dataclass(frozen=True)
 class Verification:
-    """residuals: reading -> 0..1 and more; empty where nothing could be compared, for the reason given.
+    """residuals: reading -> 0..1 and more; empty where nothing could be compared.
 
-    settings: reading -> the options that choose it.
+    error: why the motion is refused, and how to mend it. doubt: why it is neither refused nor verified. note: what else
+    to say.
     """
 
-    residuals: dict[str, float]
-    settings: dict[str, str]
-    reason: str = ""
-
-    def lines(self) -> list[str]:
-        """What to print."""
-        if self.reason:
-            return [f"motion not verified: {self.reason}"]
-        listed = ", ".join(f"{name} {value:.3f}" for name, value in self.residuals.items())
-        lines = [f"motion verified by warping, residuals: {listed}"]
-        if self.residuals[GIVEN] > CLEAR * self.residuals[IDENTITY]:
-            lines.append("the motion hardly explains how the frames change: check its unit and scale")
-        return lines
+    residuals: dict[str, float] = field(default_factory=dict)
+    error: str = ""
+    doubt: str = ""
+    note: str = ""
 
     def check(self) -> None:
-        """Raise FrameError where no motion or another reading explains the frames clearly better than the given one."""
-        if self.reason:
-            return
-        given, best = self.residuals[GIVEN], min(self.residuals, key=lambda name: self.residuals[name])
-        if self.residuals[best] >= CLEAR * given:
-            return
-        found = f"leaves {self.residuals[best]:.3f} of the change between frames, the motion as given {given:.3f}"
-        if best == IDENTITY:
-            raise FrameError(
-                f"--motion: does not fit the frames: no motion at all {found}. Check its channels, unit and scale, or "
-                "measure all the same with --motion-unverified"
-            )
-        raise FrameError(
-            f"--motion: does not fit the frames: {best} {found}. Use {self.settings[best]}, or measure all the same "
-            "with --motion-unverified"
-        )
+        """Raise FrameError where the motion does not fit the frames."""
+        if self.error:
+            raise FrameError(f"--motion: {self.error}, or measure all the same with --motion-unverified")
+
+
+@dataclass(frozen=True)
+class _Pace:
+    """How far a quarter of the covered points travels at least, px: in one frame, and in so many frames apart."""
+
+    apart: int
+    step: float
+    travel: float
 
 
 def verify(
@@ -87,108 +80,132 @@ def verify(
     picture: Callable[[int], Image],
     coverage: Callable[[int], Image] | None,
     frames: list[int],
+    *,
+    clean: bool = False,
 ) -> Verification:
-    """Compare frames under every reading of the motion.
+    """Compare frames under every reading of the motion, each so far apart that it moves far enough.
 
     picture: index -> [H, W, 3] radiance, of the reference where there is one. coverage: index -> [H, W], compared where
-    it is 1. frames: the indices that are measured, in order.
+    it is 1. frames: the indices that are measured, in order. clean: the pictures are free of noise, as references are.
     """
+    shape = picture(frames[0]).shape[:2]
     variants = motion.variants()
     readings = {GIVEN: motion} | {name: other for name, (_, other) in variants.items()}
+    points = _covered(shape, coverage, frames[len(frames) // 2])
+    paces = _paces(readings, points, frames)
+    sane = {name: pace for name, pace in paces.items() if pace.step <= max(shape)}
+    apart = paces[GIVEN].apart
+    rivals: dict[str, Rival] = {}
+    moving = [name for name, pace in sane.items() if pace.travel >= LEAST]
+    for distance in sorted({sane[name].apart for name in moving} | {apart}, key=lambda distance: distance != apart):
+        own = distance == apart
+        chosen = [name for name in moving if own or sane[name].apart == distance]
+        compared = {name: readings[name] for name in (GIVEN, *chosen) if name in sane}
+        pairs = [Pair(picture, coverage, *ends) for ends in _ends(frames, distance, _PAIRS if own else 1)]
+        for name, rival in residuals_of(compared, pairs).items():
+            # The given reading, and none, count over the given one's distance, others where they do best against it.
+            if name not in rivals or (name not in (GIVEN, IDENTITY) and rival.ratio < rivals[name].ratio):
+                rivals[name] = rival
     settings = {name: setting for name, (setting, _) in variants.items()}
-    apart, travel = _far_enough(motion, picture(frames[0]).shape[:2], coverage, frames)
-    if travel < LEAST:
-        still = _compare({}, _Pair(picture, coverage, frames[apart], frames[0]))
-        change = "" if still is None else f", while {np.sqrt(still[0][IDENTITY] / still[1]):.3f} of it changes"
-        return Verification({}, settings, f"the picture travels by {travel:.2g} px in {apart} frames only{change}")
-    ends = sorted({apart, (apart + len(frames) - 1) // 2, len(frames) - 1})[:_PAIRS]
-    energy: dict[str, float] = dict.fromkeys((*readings, IDENTITY), 0.0)
-    spread = 0.0
-    for end in ends:
-        late, early = frames[end], frames[end - apart]
-        compared = _compare(readings, _Pair(picture, coverage, late, early))
-        if compared is None:
-            continue
-        for name, value in compared[0].items():
-            energy[name] += value
-        spread += compared[1]
-    if spread <= 0:
-        return Verification({}, settings, "the picture is flat, or leaves the frame under this motion")
-    return Verification({name: float(np.sqrt(value / spread)) for name, value in energy.items()}, settings)
+    refused = _find_error(rivals, settings, paces[GIVEN], shape)
+    residuals = {name: rival.residual for name, rival in rivals.items()}
+    if refused:
+        return Verification(residuals, error=refused)
+    if GIVEN not in rivals:
+        return Verification(residuals, doubt="the picture is flat, or leaves the frame under this motion")
+    given = residuals[GIVEN]
+    if given > POOR:
+        return _judge_poor(residuals, {} if clean else _against_flow(motion, picture, coverage, frames), clean=clean)
+    if paces[GIVEN].travel < LEAST:
+        short = f"the picture travels by {paces[GIVEN].travel:.2g} px in {apart} frames only"
+        return Verification(residuals, note=f"motion not verified: {short}, while {given:.3f} of it changes")
+    named = ", ".join(f"{name} {residuals[name]:.3f}" for name in _worth_naming(residuals))
+    low = given <= LOW and given <= CLEAR * residuals[IDENTITY]
+    how = "verified by warping" if low else "explains the frames in part (they flicker, or its scale is off)"
+    return Verification(residuals, note=f"motion {how}, residuals: {named}")
 
 
-class _Pair:
-    """A later and an earlier frame, in grey codes that keep highlights from ruling."""
-
-    def __init__(
-        self,
-        picture: Callable[[int], Image],
-        coverage: Callable[[int], Image] | None,
-        late: int,
-        early: int,
-    ) -> None:
-        self.late, self.early = late, early
-        first, second = (picture(index).mean(axis=2, dtype=np.float64) for index in (late, early))
-        typical = float(np.abs(first).mean()) or 1.0
-        self.first, self.second = (grey / (typical + np.abs(grey)) for grey in (first, second))
-        self.covered = [None if coverage is None else coverage(index) >= WHOLE for index in (late, early)]
-
-
-def _compare(readings: dict[str, Motion], pair: _Pair) -> tuple[dict[str, float], float] | None:
-    """Squared residuals of each reading and of none, and of unrelated pictures; None where there is nothing to see."""
-    points = _grid(pair.first.shape)
-    landed = {name: motion.back(points, pair.late, pair.early) for name, motion in readings.items()}
-    landed[IDENTITY] = points
-    seen = np.ones(points.shape[1], dtype=bool)
-    for place, covered in [(points, pair.covered[0]), *((place, pair.covered[1]) for place in landed.values())]:
-        seen &= _inside(place, pair.first.shape, covered)
-    if seen.sum() < max(2, _SEEN * len(seen)):
-        return None
-    target = pair.first[tuple(points[:, seen].astype(np.intp))]
-    spread = _mean_square(target - np.random.default_rng(0).permutation(target))
-    if spread < _FLAT**2:
-        return None
-    spline = ndimage.spline_filter(pair.second, order=3, mode="mirror")
-    squares = {}
-    for name, place in landed.items():
-        warped = ndimage.map_coordinates(spline, place[:, seen], order=3, mode="mirror", prefilter=False)
-        squares[name] = _mean_square(warped - target)
-    return squares, spread
+def _find_error(rivals: dict[str, Rival], settings: dict[str, str], pace: _Pace, shape: tuple[int, ...]) -> str:
+    """What to say where another reading or none fits clearly better, or the given one is beyond belief; else empty."""
+    winners = [name for name, rival in rivals.items() if rival.ratio < CLEAR and rival.residual <= POOR]
+    least = min((rivals[name].residual for name in winners), default=0.0)
+    # Of readings that fit alike, as directions do where the motion is steady, the one that changes least.
+    best = next(
+        (name for name in [*settings, IDENTITY] if name in winners and rivals[name].residual < least + _ALIKE), ""
+    )
+    named = "no motion at all" if best == IDENTITY else best
+    found = f"{named} leaves {rivals[best].residual:.3f} of the change between frames" if best else ""
+    if pace.step > max(shape):
+        mend = "check --motion-convention, --motion-unit and --motion-scale"
+        mend = f"{found}. Use {settings[best]}" if best in settings else mend
+        size = f"{shape[1]}x{shape[0]} px"
+        return f"moves {pace.step:.0f} px a frame in a picture of {size}: is its unit right? {mend}"
+    if not best:
+        return ""
+    rest = f", the motion as given {rivals[best].given:.3f}" if GIVEN in rivals else ""
+    mend = f"Use {settings[best]}" if best in settings else "Check its channels, unit and scale"
+    return f"does not fit the frames: {found}{rest}. {mend}"
 
 
-def _mean_square(differences: NDArray[np.float64]) -> float:
-    """Mean square of all but the largest differences."""
-    kept = max(1, int((1 - _HIDDEN) * differences.size))
-    return float(np.partition(differences**2, kept - 1)[:kept].mean())
+def _against_flow(
+    motion: Motion, picture: Callable[[int], Image], coverage: Callable[[int], Image] | None, frames: list[int]
+) -> dict[str, Rival]:
+    """The residual of optical flow from one frame to the next; none where every other one is left out."""
+    neighbours = [(late, early) for early, late in pairwise(frames) if late == early + 1]
+    if not neighbours:
+        return {}
+    pair = Pair(picture, coverage, *neighbours[len(neighbours) // 2])
+    return residuals_of({GIVEN: motion, FLOWING: EstimatedMotion(picture)}, [pair])
 
 
-def _far_enough(
-    motion: Motion, shape: tuple[int, ...], coverage: Callable[[int], Image] | None, frames: list[int]
-) -> tuple[int, float]:
-    """How many frames to compare apart, and how far a quarter of the covered points travels in them at least, px."""
+def _judge_poor(residuals: dict[str, float], flow: dict[str, Rival], *, clean: bool) -> Verification:
+    """Refuse motion that explains little, unless the frames may be noise, which no motion explains."""
+    left = f"{residuals[GIVEN]:.3f} of the change between frames"
+    if clean:
+        found = f"leaves {left}, as only a noisy reference would"
+    elif FLOWING in flow and flow[FLOWING].ratio < FLOW:
+        found = f"leaves {left}, while optical flow finds a motion that leaves {flow[FLOWING].residual:.3f}"
+    else:
+        best = min(residuals, key=lambda name: residuals[name])
+        least = f"(least: {best} {residuals[best]:.3f})"
+        return Verification(
+            residuals, doubt=f"it leaves {left}, as all readings do {least}: the frames flicker much, or it is wrong"
+        )
+    return Verification(residuals, error=f"does not fit the frames: it {found}. Check its channels, unit and scale")
+
+
+def _worth_naming(residuals: dict[str, float]) -> list[str]:
+    """The given reading, none, and the best of the others."""
+    named = [GIVEN, *({IDENTITY} & residuals.keys())]
+    others = residuals.keys() - named
+    return [*named, min(others, key=lambda name: residuals[name])] if others else named
+
+
+def _ends(frames: list[int], apart: int, count: int) -> list[tuple[int, int]]:
+    """Later and earlier frames, spread over the clip, or in its middle."""
+    last = len(frames) - 1
+    ends = {apart, (apart + last) // 2, last} if count > 1 else {(apart + last) // 2}
+    return [(frames[end], frames[end - apart]) for end in sorted(ends)]
+
+
+def _paces(readings: dict[str, Motion], points: Points, frames: list[int]) -> dict[str, _Pace]:
+    """How far each reading goes, until it goes far enough; frame by frame, so that files are read once for all."""
     end = len(frames) // 2
-    points = _grid(shape)
+    paces: dict[str, _Pace] = {}
+    places = dict.fromkeys(readings, points)
+    for apart in range(1, min(APART, end) + 1):
+        late, early = frames[end - apart + 1], frames[end - apart]
+        for name in [name for name in readings if name not in paces or paces[name].travel < TRAVEL]:
+            places[name] = readings[name].back(places[name], late, early)
+            travel = float(np.quantile(np.hypot(*(places[name] - points)), _MOVING))
+            paces[name] = _Pace(apart, paces[name].step if name in paces else travel, travel)
+    return paces
+
+
+def _covered(shape: tuple[int, ...], coverage: Callable[[int], Image] | None, frame: int) -> Points:
+    """A few points, of the covered ones if there are any."""
+    points = grid(shape, _PACED)
     if coverage is not None:
-        covered = coverage(frames[end])[tuple(points.astype(np.intp))] >= WHOLE
+        covered = coverage(frame)[tuple(points.astype(np.intp))] >= WHOLE
         points = points[:, covered] if covered.any() else points
-    place, apart, travel = points, 0, 0.0
-    while apart < min(APART, end) and travel < TRAVEL:
-        place = motion.back(place, frames[end - apart], frames[end - apart - 1])
-        apart += 1
-        travel = float(np.quantile(np.hypot(*(place - points)), _MOVING))
-    return apart, travel
-
-
-def _grid(shape: tuple[int, ...]) -> Points:
-    """[2, n] pixels spread evenly over the picture."""
-    step = max(1, int(np.ceil(np.sqrt(shape[0] * shape[1] / _POINTS))))
-    rows, columns = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
-    return np.stack([rows.ravel(), columns.ravel()]).astype(np.float64)
-
-
-def _inside(place: Points, shape: tuple[int, ...], covered: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
-    row, column = (np.rint(p).astype(np.intp) for p in place)
-    inside = (row >= 1) & (row < shape[0] - 1) & (column >= 1) & (column < shape[1] - 1)
-    if covered is None:
-        return np.asarray(inside)
-    return np.asarray(inside & covered[np.where(inside, row, 0), np.where(inside, column, 0)])
+    return points

@@ -49,6 +49,10 @@ class VideoReader:
         """None: every frame of a video has its size and channels."""
         return {}
 
+    def damage(self) -> dict[int, str]:
+        """None: every frame was decoded once to count them."""
+        return {}
+
     def read(self, index: int, part: int, channels: Sequence[str]) -> Image:
         """R, G and B of a frame as stored, scaled to 0..1."""
         number = self.numbers[index]

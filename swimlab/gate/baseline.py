@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.files import write_json
+from swimlab.gate.comparable import difference, hashed
+from swimlab.gate.lacking import may_lack, rules_off, why_lacking
 from swimlab.gate.measured import Entry, Key, Settings
-from swimlab.gate.rules import Gate, GateError
+from swimlab.gate.rules import Cell, Gate, GateError
 
 VERSION = 1
 """Version of the format of baseline files."""
@@ -38,11 +40,15 @@ class Spread:
 
 @dataclass(frozen=True)
 class Known:
-    """What a baseline holds of a technique on a sequence. scores: name -> (mean, sigma or None)."""
+    """What a baseline holds of a technique on a sequence. scores: name -> (mean, sigma or None).
+
+    hashed: what the settings hash is made of, flat; empty where that is not known.
+    """
 
     settings: Settings
     runs: int
     scores: dict[str, tuple[float, float | None]]
+    hashed: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,10 @@ class Baseline:
             }
             for (sequence, technique), known in self.entries.items()
         ]
-        write_json(path, {"version": VERSION, "provenance": self.provenance, "entries": entries})
+        hashed = {known.settings.hash: known.hashed for known in self.entries.values() if known.hashed}
+        write_json(
+            path, {"version": VERSION, "provenance": self.provenance, "entries": entries, "settings_by_hash": hashed}
+        )
 
 
 def read_baseline(gate: Gate) -> Baseline | None:
@@ -83,7 +92,9 @@ def read_baseline(gate: Gate) -> Baseline | None:
             raise GateError(
                 f"{path}: has version {content.get('version')!r}, this swimlab reads {VERSION}; make it anew"
             )
-        return Baseline(dict(map(_known, content["entries"])), content.get("provenance", {}))
+        hashed = content.get("settings_by_hash", {})
+        entries = dict(_known(each, hashed.get(each["hash"], {})) for each in content["entries"])
+        return Baseline(entries, content.get("provenance", {}))
     except OSError as error:
         raise GateError(
             f"{path}: cannot be read ({error.strerror}); make it: swimlab baseline update {gate.path} RUN"
@@ -96,47 +107,61 @@ def read_baseline(gate: Gate) -> Baseline | None:
         ) from error
 
 
-def make_baseline(
-    wanted: Iterable[tuple[str, str, str]], entries: Sequence[Entry], provenance: dict[str, Any]
-) -> Baseline:
+def make_baseline(wanted: Iterable[Cell], entries: Sequence[Entry], provenance: dict[str, Any]) -> Baseline:
     """Mean and spread of the wanted scores (sequence, technique, metric) over the runs in `entries`.
 
-    Raises GateError where runs of a sequence differ in their settings or lack a score.
+    Raises GateError where runs of a sequence differ in their settings, and one for all scores that a run lacks.
     """
     by_key: dict[Key, list[Entry]] = {}
     for entry in entries:
         by_key.setdefault(entry.key, []).append(entry)
+    cells = sorted(wanted)
+    _check_complete(cells, by_key)
     names: dict[Key, list[str]] = {}
-    for sequence, technique, metric in wanted:
-        names.setdefault((sequence, technique), []).append(metric)
-    return Baseline({key: _over_runs(key, by_key.get(key, []), found) for key, found in names.items()}, provenance)
+    for *key, metric in cells:
+        names.setdefault((key[0], key[1]), []).append(metric)
+    return Baseline({key: _over_runs(key, by_key[key], found) for key, found in names.items()}, provenance)
+
+
+def _check_complete(cells: Sequence[Cell], by_key: dict[Key, list[Entry]]) -> None:
+    """Raise one GateError for all scores that a run lacks, with the rules that leave them out."""
+    lines, lacking = [], []
+    for sequence, technique, name in cells:
+        what, runs = f"{technique} on {sequence}", by_key.get((sequence, technique), [])
+        if not runs:
+            lines.append(f"{what}: is in no run; measure it, or mend the gate's rule")
+        for run in runs:
+            value = run.scores.get(name)
+            if value is None:
+                lines.append(f"{what}: {name} cannot go into a baseline: {why_lacking(name, run)}")
+                lacking += [(sequence, technique, name)] if may_lack(name, run) else []
+            elif not isfinite(value):
+                lines.append(f"{what}: {name} cannot go into a baseline: is not a number")
+    if lines:
+        raise GateError("\n".join(dict.fromkeys(lines)), paste=rules_off(dict.fromkeys(lacking), cells))
 
 
 def _over_runs(key: Key, runs: Sequence[Entry], names: Sequence[str]) -> Known:
-    what = f"{key[1]} on {key[0]}"
-    if not runs:
-        raise GateError(f"{what}: is in no run; measure it, or mend the gate's rule")
+    first = runs[0]
     for run in runs:
-        difference = run.settings.difference(runs[0].settings)
-        if difference:
-            raise GateError(f"{what}: cannot go into one baseline: {difference}; give runs of the same settings")
+        unlike = difference(run, first.settings, hashed(first))
+        if unlike:
+            raise GateError(
+                f"{key[1]} on {key[0]}: cannot go into one baseline: {unlike}; give runs of the same settings"
+            )
     scores = {}
-    for name in sorted(names):
+    for name in names:
         spread = Spread()
         for run in runs:
-            value = run.scores.get(name)
-            if value is None or not isfinite(value):
-                reason = run.absent.get(name, "is not a number" if value is not None else "is not there")
-                raise GateError(f"{what}: {name} cannot go into a baseline: {reason}; switch it off with a rule")
-            spread.add(value)
+            spread.add(run.scores[name])
         scores[name] = (spread.mean, spread.sigma)
-    return Known(runs[0].settings, len(runs), scores)
+    return Known(first.settings, len(runs), scores, hashed(first))
 
 
-def _known(content: dict[str, Any]) -> tuple[Key, Known]:
+def _known(content: dict[str, Any], hashed: dict[str, Any]) -> tuple[Key, Known]:
     settings = Settings(content["hash"], content["domain"], content["extent"])
     scores = {name: (_finite(each["mean"]), _sigma(each["sigma"])) for name, each in content["scores"].items()}
-    return (content["sequence"], content["technique"]), Known(settings, int(content["runs"]), scores)
+    return (content["sequence"], content["technique"]), Known(settings, int(content["runs"]), scores, dict(hashed))
 
 
 def _finite(value: Any) -> float:

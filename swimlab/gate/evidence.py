@@ -16,19 +16,21 @@ CHANGES = {"flicker", "plane", "residual", "visible"}
 class Evidence:
     """The worst frame of a score; region: (x, y, width, height) in px; crop: picture | reference | error.
 
-    region and crop are None where the run has no frames or no reference any more.
+    region and crop are None where the run has no frames or no reference any more; `lacking` says why.
     """
 
     frame: int
     region: tuple[int, int, int, int] | None = None
     crop: Path | None = None
+    lacking: str = ""
 
     def describe(self) -> str:
         """In words, as "worst in frame 7 at x 64 y 128, 64x64 px"."""
         words = f"worst in frame {self.frame}"
         if self.region is not None:
             words += " at x {} y {}, {}x{} px".format(*self.region)
-        return words + (f" ({self.crop})" if self.crop is not None else "")
+        said = str(self.crop) if self.crop is not None else f"no picture of it: {self.lacking}" if self.lacking else ""
+        return f"{words} ({said})" if said else words
 
 
 def find_evidence(entry: Entry, metric: str) -> Evidence | None:
@@ -38,13 +40,18 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
     largest squared error in it. None where the scores hold nothing by frame.
     """
     frame = worst_frame(entry, metric)
-    if frame is None or entry.folder is None:
-        return None if frame is None else Evidence(frame)
+    if frame is None:
+        return None
+    if entry.folder is None:
+        own = "settings" in entry.provenance
+        why = "frames of one's own are not in a run folder" if own else "no run folder lies beside the scores"
+        return Evidence(frame, lacking=why)
     from swimlab.frames import frame_path
 
     test, reference = (frame_path(entry.folder, name, frame) for name in (entry.technique, REFERENCE))
-    if not (test.is_file() and reference.is_file()):
-        return Evidence(frame)
+    gone = [path for path in (test, reference) if not path.is_file()]
+    if gone:
+        return Evidence(frame, lacking=f"{gone[0]} is gone")
     from swimlab.gate.crop import worst_region, write_crop
 
     region = worst_region(test, reference)

@@ -18,7 +18,8 @@ def summary(outcome: Outcome) -> str:
         cells += [number(check.value), check.limit or "-", *of_base(check)]
         lines.append("| " + " | ".join(map(_cell, cells)) + " |")
     said = [f"- {_cell(line)}" for line in remarks(outcome.checks)]
-    return "\n".join([*lines, "", *said, ""]) + "\n"
+    paste = ["", "To switch off what cannot be had:", "```toml", outcome.paste, "```"] if outcome.paste else []
+    return "\n".join([*lines, "", *said, *paste, ""]) + "\n"
 
 
 def annotations(outcome: Outcome) -> Iterator[str]:

@@ -7,15 +7,15 @@ from math import isnan
 from typing import Literal
 
 from metrics import METRICS
-from sequences.problems import hint
 from swimlab.gate.baseline import Baseline, Known
+from swimlab.gate.comparable import difference
 from swimlab.gate.evidence import Evidence
+from swimlab.gate.lacking import may_lack, why_lacking
 from swimlab.gate.measured import Entry, Key
-from swimlab.gate.rules import Gate, Rule
+from swimlab.gate.rules import Cell, Gate, Rule
 
 Status = Literal["pass", "warn", "fail", "unjudged"]
-Cell = tuple[str, str, str]
-"""Sequence, technique and metric."""
+MENDED = "`swimlab compare` shows what that costs; renew the baseline if it is meant"
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Check:
 
     rule: number of the rule that counts, from 1. limit: in words, as "<= 0.0012". base, sigma: of the baseline;
     sigma is None where a single run says nothing of it. reason: why it did not pass, or what to beware of.
+    absent: whether the run lacks it, and its name is no slip: a rule may have to switch it off.
     """
 
     sequence: str
@@ -37,6 +38,12 @@ class Check:
     sigma: float | None = None
     reason: str = ""
     evidence: Evidence | None = None
+    absent: bool = False
+
+    @property
+    def cell(self) -> Cell:
+        """Sequence, technique and metric."""
+        return self.sequence, self.technique, self.metric
 
     @property
     def name(self) -> str:
@@ -48,7 +55,8 @@ def judge(gate: Gate, entries: Sequence[Entry], baseline: Baseline | None) -> li
     """Check every score that a rule of the gate speaks of, in the order of sequence, technique and metric.
 
     A score beyond its limit has the status "fail" or "warn", after the rule's level; one that cannot be judged
-    is "unjudged" whatever the level: missing from the run or the baseline, not a number, of other settings.
+    is "unjudged" whatever the level: missing from the run or the baseline, not a number, of other settings. Of
+    other settings, it is held to its ceiling and floor all the same, and `reason` says so where it is beyond.
     """
     measured = {entry.key: entry for entry in entries}
     known = baseline.entries if baseline is not None else {}
@@ -68,11 +76,12 @@ def exit_code(checks: Iterable[Check]) -> int:
 def governed(gate: Gate, entries: Iterable[Entry], baseline: Baseline | None) -> list[tuple[Cell, int]]:
     """Every score that the rules speak of, with the number of the rule that counts, from 0.
 
-    Where a rule's pattern matches nothing, the pattern itself stands for what is missing.
+    A metric with wildcards leaves out scores that are mere information, and those that cannot be had unless the
+    baseline has them. Where a pattern matches nothing, the pattern itself stands for what is missing.
     """
     names: dict[Key, set[str]] = {}
     for entry in entries:
-        names.setdefault(entry.key, set()).update(entry.scores, entry.absent)
+        names.setdefault(entry.key, set()).update(entry.scores)
     for key, known in (baseline.entries if baseline is not None else {}).items():
         names.setdefault(key, set()).update(known.scores)
     cells = dict.fromkeys(cell for rule in gate.rule if rule.level != "off" for cell in _cells(rule, names))
@@ -83,8 +92,13 @@ def governed(gate: Gate, entries: Iterable[Entry], baseline: Baseline | None) ->
 def _cells(rule: Rule, names: dict[Key, set[str]]) -> Iterator[Cell]:
     for sequence in _matching(rule.sequence, {key[0] for key in names}):
         for technique in _matching(rule.technique, {key[1] for key in names if key[0] == sequence}):
-            for metric in _matching(rule.metric, names.get((sequence, technique), set())):
+            found = names.get((sequence, technique), set())
+            for metric in [rule.metric] if rule.metric in found else _matching(rule.metric, _judgeable(found)):
                 yield sequence, technique, metric
+
+
+def _judgeable(names: set[str]) -> set[str]:
+    return {name for name in names if name not in METRICS or METRICS[name].better != "information"}
 
 
 def _matching(pattern: str, names: set[str]) -> list[str]:
@@ -98,18 +112,18 @@ def _check(cell: Cell, number: int, gate: Gate, entry: Entry | None, known: Know
         return replace(check, reason="was not measured; give its run, or mend the rule's sequence and technique")
     value = entry.scores.get(metric)
     if value is None:
-        return replace(check, reason=_why_absent(metric, entry))
+        return replace(check, reason=why_lacking(metric, entry), absent=may_lack(metric, entry))
     if isnan(value):
         return replace(check, reason="is not a number; look for NaN and Inf in the frames and measure again")
     check = replace(check, value=value)
+    better = METRICS[metric].better if metric in METRICS else "information"
     base = known.scores.get(metric) if known is not None else None
-    if known is not None:
-        difference = entry.settings.difference(known.settings)
-        if difference:
-            return replace(
-                check,
-                reason=f"is not comparable with the baseline: {difference}; renew the baseline if the change is meant",
-            )
+    unlike = difference(entry, known.settings, known.hashed) if known is not None else ""
+    if unlike:
+        held = _against(check, value, list(_limits(rule, None, better)), rule, None)
+        beyond = f"; whatever the baseline, {held.reason}" if held.reason else ""
+        told = f"is not comparable with the baseline: {unlike}; {MENDED}{beyond}"
+        return replace(held, status="unjudged", reason=told)
     if base is not None:
         check = replace(check, base=base[0], sigma=base[1])
     elif gate.baseline is not None:
@@ -117,18 +131,10 @@ def _check(cell: Cell, number: int, gate: Gate, entry: Entry | None, known: Know
         check = replace(check, status=status, reason="is not in the baseline; add it: swimlab baseline update")
         if status == "unjudged":
             return check
-    better = METRICS[metric].better if metric in METRICS else "information"
     if rule.max_increase is None and {"lower": rule.max, "higher": rule.min}.get(better, 0.0) is None:
         key = "max" if better == "lower" else "min"
         return replace(check, status="unjudged", reason=f"{better} is better, so the rule has to give {key}")
     return _against(check, value, list(_limits(rule, base, better)), rule, base)
-
-
-def _why_absent(metric: str, entry: Entry) -> str:
-    if metric in entry.absent:
-        return f"is absent: {entry.absent[metric]}; if it has to be, switch it off with a rule"
-    guess = "" if metric in METRICS or "*" in metric or "?" in metric else f" {hint(metric, METRICS)}"
-    return f"has not been measured{guess}; if it has to be so, switch it off with a rule"
 
 
 def _limits(rule: Rule, base: tuple[float, float | None] | None, better: str) -> Iterator[tuple[str, float]]:

@@ -1,6 +1,7 @@
 """The outcome of a gate as JUnit XML, which CI servers show as tests."""
 
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 from swimlab.gate.outcome import Outcome
@@ -32,6 +33,17 @@ def junit(outcome: Outcome) -> str:
         ElementTree.SubElement(case, "system-out").text = _clean(
             f"{check.status}: {said}" + (f"\n{why}" if why else "")
         )
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def junit_error(gate: Path, message: str) -> str:
+    """A test suite with one error, for a gate that could not be run."""
+    counts = {"tests": "1", "failures": "0", "errors": "1"}
+    root = ElementTree.Element("testsuites", counts)
+    suite = ElementTree.SubElement(root, "testsuite", {"name": _clean(str(gate)), **counts})
+    case = ElementTree.SubElement(suite, "testcase", {"classname": "swimlab", "name": "gate"})
+    ElementTree.SubElement(case, "error", {"message": _clean(message)}).text = _clean(message)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 

@@ -166,17 +166,17 @@ def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: 
 def _domain(provenance: dict[str, Any], content: dict[str, Any]) -> str:
     """The domain, as "linear", "display" or "display: gamma sqrt, bloom.strength 0.2"; the seed is in the hash."""
     domain = str(provenance.get("domain", "linear"))
-    standard = dict(_flat(asdict(STANDARD) | Viewing().model_dump()))
-    given = dict(_flat(content.get("display", {}) | content.get("viewing", {})))
+    standard = dict(flat(asdict(STANDARD) | Viewing().model_dump()))
+    given = dict(flat(content.get("display", {}) | content.get("viewing", {})))
     changed = [f"{key} {value}" for key, value in given.items() if key != "seed" and value != standard.get(key)]
     return f"{domain}: {', '.join(changed)}" if changed else domain
 
 
-def _flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Keys and values of nested tables, as ("bloom.strength", 0.2)."""
     for key, value in table.items():
         if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from flat(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
 

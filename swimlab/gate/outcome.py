@@ -8,6 +8,7 @@ from typing import Any
 from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
 from swimlab.gate.judge import Check, Status, exit_code, governed, judge
+from swimlab.gate.lacking import rules_off
 from swimlab.gate.measured import Entry, read_all, read_entries
 from swimlab.gate.rules import GateError, load_gate
 
@@ -28,6 +29,12 @@ class Outcome:
     def exit_code(self) -> int:
         """As the command ends."""
         return exit_code(self.checks)
+
+    @property
+    def paste(self) -> str:
+        """Rules that switch off the scores that are not there, for the gate file; empty where all are."""
+        cells = [check.cell for check in self.checks]
+        return rules_off((check.cell for check in self.checks if check.absent), cells)
 
     @property
     def verdict(self) -> str:

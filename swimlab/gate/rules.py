@@ -12,10 +12,19 @@ from sequences.problems import hint
 from sequences.table import Real, Table
 
 Level = Literal["off", "warn", "error"]
+Cell = tuple[str, str, str]
+"""Sequence, technique and metric."""
 
 
 class GateError(ValueError):
-    """A gate that cannot be run; the message names the file, the key and how to mend it."""
+    """A gate that cannot be run; the message names the file, the key and how to mend it.
+
+    paste: rules that would mend it, to be added to the gate file.
+    """
+
+    def __init__(self, message: str, paste: str = "") -> None:
+        super().__init__(message)
+        self.paste = paste
 
 
 class Increase(NamedTuple):

@@ -16,7 +16,7 @@ WIDTH = 120
 
 
 def print_table(outcome: Outcome, console: Console | None = None) -> None:
-    """Print every check, then why each that did not pass did not, then the verdict."""
+    """Print every check, why each that did not pass did not, rules that may mend that, and the verdict."""
     console = console or Console(width=max(Console().width, WIDTH))
     table = Table("", "sequence", "technique", "score", box=box.SIMPLE_HEAD)
     for heading in ("value", "limit", "baseline", "sigma"):
@@ -34,6 +34,9 @@ def print_table(outcome: Outcome, console: Console | None = None) -> None:
     console.print(table)
     for line in remarks(outcome.checks):
         console.print(Text(line), soft_wrap=True)
+    if outcome.paste:
+        console.print(Text(f"\nto switch off what cannot be had, add at the end of {outcome.gate}:"), soft_wrap=True)
+        console.print(Text(outcome.paste + "\n"), soft_wrap=True)
     console.print(Text(outcome.verdict), soft_wrap=True)
 
 

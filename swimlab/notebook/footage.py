@@ -76,7 +76,8 @@ def measure_frames(
     vectors, "estimate", or None where nothing moves. convention: what such vectors mean: own, blender, unity, nuke,
     ndc, uv, or a Convention. fps: None: the file's own, else 60. frames: range as "1-48". crop: x, y, width, height,
     px. unverified: measure though the motion does not fit the frames.
-    Raises FrameError naming the file, frame or setting that is wrong, and how to mend it.
+    The notes say where the motion cannot be verified. Raises FrameError naming the file, frame or setting that is
+    wrong, and how to mend it.
     """
     request = Request(
         test=fspath(test),
@@ -94,14 +95,19 @@ def measure_frames(
         pixels_per_degree=pixels_per_degree,
         luminance=luminance,
     )
-    subject = Subject(request, lambda _: None)
+    subject = Subject(request, lambda _: None, lambda _: None)
     return Measured(measure_subject(subject, peers=peers, command="swimlab.measure_frames"))
 
 
 def _motion(motion: Name | tuple[float, float] | None) -> str | None:
-    if isinstance(motion, tuple):
-        return f"{motion[0]!r},{motion[1]!r}"
-    return None if motion is None else fspath(motion)
+    if motion is None:
+        return None
+    if isinstance(motion, str | PathLike):
+        return fspath(motion)
+    if len(motion) != 2:
+        raise FrameError(f"motion {motion}: give (dx, dy), px a frame right and down, or files of motion vectors")
+    dx, dy = map(float, motion)
+    return f"{dx!r},{dy!r}"
 
 
 def _convention(convention: str | Convention) -> Convention:

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from swimlab.frames import Image, frame_path, read_frame
 from swimlab.measure import measure_run, read_clip
 from swimlab.notebook.picture import GAP, Codes, Panel, Picture, enlarge, error_colours, scale_bar, sheet
 from swimlab.notebook.scores import Scores
-from swimlab.plan import make_plan
+from swimlab.plan import check_threads, make_plan
 from swimlab.record import REFERENCE, Record, RunError
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
@@ -114,7 +114,7 @@ class Study:
 
     def compare(
         self,
-        techniques: Sequence[str] | None = None,
+        techniques: str | Sequence[str] | None = None,
         frames: Sequence[int] | None = None,
         *,
         exposure: float = 0.0,
@@ -122,7 +122,7 @@ class Study:
         region: Region | None = None,
     ) -> Picture:
         """Techniques by rows and frames by columns; of one frame, techniques side by side. Options as of `show`."""
-        chosen, numbers = list(techniques or self.techniques), list(frames or self.frames[:1])
+        chosen, numbers = listed(techniques or self.techniques), list(frames or self.frames[:1])
         rows = [
             [
                 (
@@ -139,7 +139,7 @@ class Study:
 
     def errors(
         self,
-        techniques: Sequence[str] | None = None,
+        techniques: str | Sequence[str] | None = None,
         frame: int | None = None,
         *,
         zoom: int = 1,
@@ -150,7 +150,7 @@ class Study:
         Red is too bright, blue too dark, white right; grey is not measured. Raises RunError as `frame` does.
         """
         number = self.frames[0] if frame is None else frame
-        chosen = list(techniques or (name for name in self.techniques if name != REFERENCE))
+        chosen = listed(techniques or [name for name in self.techniques if name != REFERENCE])
         exact = self._cut(REFERENCE, number, region)
         maps = [(name, enlarge(error_colours(self._cut(name, number, region), exact), zoom)) for name in chosen]
         width = max(SCALE_BAR, min(maps[0][1].shape[1], 2 * SCALE_BAR))
@@ -194,7 +194,7 @@ class Study:
 
 def study(
     sequence: str | Path | sequences.Sequence,
-    techniques: Sequence[str] | None = None,
+    techniques: str | Sequence[str] | None = None,
     *,
     size: tuple[int, int] | None = None,
     frames: str | None = None,
@@ -211,7 +211,10 @@ def study(
     is resumed as by `swimlab render`; None: a temporary one, removed when Python ends. threads: None: one a core.
     force: render anew, over whatever the folder holds. Raises SequenceError, RunError or MapError for what is wrong.
     """
-    names = None if techniques is None else [*techniques, REFERENCE]
+    check_threads(threads)
+    if domain not in get_args(Domain):
+        raise RunError(f"domain {domain!r}: choose one of {', '.join(get_args(Domain))}")
+    names = None if techniques is None else [*listed(techniques), REFERENCE]
     plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
     folder = _temporary(plan.sequence.name) if output is None else Path(output)
     render_run(plan, folder, force=force, threads=threads, command="swimlab.study")
@@ -228,6 +231,11 @@ def open_run(folder: str | Path) -> Study:
     if len(found) > 1:
         raise RunError(f"{folder}: holds several runs; open one of {', '.join(map(str, found))}")
     return Study(found[0])
+
+
+def listed(names: str | Sequence[str]) -> list[str]:
+    """Names as a list; one alone need not be in a list."""
+    return [names] if isinstance(names, str) else list(names)
 
 
 def _temporary(name: str) -> Path:

@@ -26,18 +26,19 @@ SCALE_CURVES = {
     "highlight": (
         "High-light energy",
         "ratio to the full-size picture",
-        "At 1 high lights keep their energy; below 1 they are lost.",
+        "At 1 high lights keep their energy; below they are lost, above they are too bright or too many.",
     ),
 }
 
 
 class Figure(NamedTuple):
-    """A chart: its title, its SVG, what to see in it, and its key (label, ink)."""
+    """A chart: its title, its SVG, what to see in it, and its key (label, ink). shapes: of its marks, not dashes."""
 
     title: str
     svg: str
     sentence: str
     key: Sequence[tuple[str, Ink]]
+    shapes: bool = False
 
 
 def figures(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> list[Figure]:
@@ -50,7 +51,7 @@ def figures(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> list[Figure]:
             inks,
             "error",
             "Spectrum of the error",
-            "Lower is better; at low frequencies the eye sees it as Moiré, at high ones as lost or false detail.",
+            "Lower is better; at low frequencies it is wrong brightness or Moiré, at high ones lost or false detail.",
         ),
         _radial(
             entries,
@@ -69,18 +70,18 @@ def speed(entries: Sequence[Entry], milliseconds: Mapping[str, float], inks: Map
     """Error against the time of a frame as the run recorded it, of one sequence; none where there is no error."""
     floor = max((entry["scores"].get("budget.floor", 0.0) for entry in entries), default=0.0)
     points = [
-        Point(name, milliseconds[name], math.sqrt(max(entry["scores"].get("budget.mse", 0.0), 0.0)), inks[name].colour)
+        Point(name, milliseconds[name], math.sqrt(max(entry["scores"].get("budget.mse", 0.0), 0.0)), *inks[name])
         for entry in entries
         if (name := entry["technique"]) in milliseconds
     ]
     x, y = Axis("ms a frame", "log"), Axis("rms error", "log")
     svg = scatter([[point] for point in points], x=x, y=y, title="Error against time", floor=math.sqrt(floor))
     sentence = (
-        "Lower left is better: filled dots are the Pareto front, where nothing is as fast and closer (dotted: the "
+        "Lower left is better: filled marks are the Pareto front, where nothing is as fast and closer (dotted: the "
         "reference's own error; times as rendered, one technique after another)."
     )
-    key = [(point.name, Ink(point.colour, "")) for point in points]
-    return [Figure("Error against time", svg, sentence, key)] if svg else []
+    key = [(point.name, inks[point.name]) for point in points]
+    return [Figure("Error against time", svg, sentence, key, shapes=True)] if svg else []
 
 
 def _budget(entries: Sequence[Entry]) -> Figure:

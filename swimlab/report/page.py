@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
+from swimlab.columns import MARKS
 from swimlab.files import replacing_folder, write_text
 from swimlab.record import REFERENCE
 from swimlab.report.bundle import PAGE, refuse_strange_folder, write_pictures
@@ -21,6 +22,7 @@ from swimlab.report.palette import Ink, inks
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
+from swimlab.resolution import LEGEND
 
 SCRIPTS = ("pictures.js", "view.js", "screen.js", "pointer.js", "viewer.js", "charts.js")
 
@@ -31,11 +33,11 @@ def write_report(
     """Write the page of one or more run folders, one sequence each, whole or not at all.
 
     scores: the content of scores.json. picture_budget: bytes of embedded pictures, all runs together.
-    Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity, and FrameError
-    for a missing frame.
+    Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity and for two runs of
+    one sequence, and FrameError for a missing frame.
     """
     _refuse_nan(scores)
-    opened = [open_run(run) for run in runs]
+    opened = _open(runs)
     clips = choose_clips(opened, scores["sequences"], picture_budget)
     write_text(destination, _page(opened, scores, clips))
 
@@ -54,7 +56,7 @@ def write_report_folder(
     """
     _refuse_nan(scores)
     refuse_strange_folder(destination)
-    opened = [open_run(run) for run in runs]
+    opened = _open(runs)
     with replacing_folder(destination) as folder:
         clips = []
         for place, run in enumerate(opened):
@@ -63,9 +65,27 @@ def write_report_folder(
         write_text(folder / PAGE, _page(opened, scores, clips))
 
 
+def _open(runs: Sequence[Path]) -> list[Run]:
+    opened: dict[str, Run] = {}
+    for run in map(open_run, runs):
+        other = opened.setdefault(run.sequence, run)
+        if other is not run:
+            raise ReportError(
+                f"{run.folder}: holds {run.sequence}, as {other.folder} does; report one of them, or set them side by "
+                "side with 'swimlab compare'"
+            )
+    return list(opened.values())
+
+
 def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip]) -> str:
     entries = scores["sequences"]
     colours = inks(_techniques(opened, entries))
+    told = verdict(
+        entries,
+        {run.sequence: run.milliseconds for run in opened},
+        {run.sequence: run.settings.get("techniques", {}) for run in opened},
+    )
+    pick = told.picks[0].name if told.picks else ""
     return (
         _environment()
         .get_template("report.html")
@@ -73,11 +93,13 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             names=[run.sequence for run in opened],
             sections=[_section(run, entries, clips, colours) for run in opened],
             inks=colours,
-            verdict=verdict(entries, {run.sequence: run.milliseconds for run in opened}),
+            verdict=told,
             provenance=flatten({**scores.get("provenance", {}), **_by_run(opened)}),
             settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],
             metrics=METRICS,
-            pictures=Markup(picture_json(clips, entries)),
+            legend=LEGEND,
+            marks=MARKS,
+            pictures=Markup(picture_json(clips, entries, pick)),
             theme=Markup(_static("theme.js")),
             css=Markup(_static("report.css") + _static("charts.css")),
             script=Markup("".join(_static(name) for name in SCRIPTS)),
@@ -86,14 +108,26 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
     )
 
 
-def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]]) -> str:
-    """What the viewer needs, as JSON that may stand inside a script element."""
+def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]], pick: str) -> str:
+    """What the viewer needs, as JSON that may stand inside a script element. pick: the technique to show first."""
     content = {
         "error": {"range": ERROR_RANGE, "steps": ERROR_STEPS},
+        "first": _first(clips),
+        "pick": pick,
         "reference": REFERENCE,
         "clips": [_viewer_clip(clip, entries) for clip in clips],
     }
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _first(clips: Sequence[Clip]) -> int:
+    """The place of the clip to open on: a detail that moves, else what moves at one size, else what moves at all."""
+
+    def worth(place: int) -> tuple[bool, bool, bool]:
+        clip = clips[place]
+        return len(clip.frames) > 1, not clip.run.resizes, clip.region is not None
+
+    return max(range(len(clips)), key=worth, default=0)
 
 
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:

@@ -1,7 +1,7 @@
 """One colour per technique, the same in every table, legend and chart, told apart with any colour vision.
 
-Colours of techniques: Paul Tol's "bright" scheme (Tol, Colour Schemes, SRON/EPS/TN/09-002, 2021), with dashes
-when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.
+Colours of techniques: Paul Tol's "bright" scheme (Tol, Colour Schemes, SRON/EPS/TN/09-002, 2021), with dashes, and
+other marks, when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,15 @@ class Ink(NamedTuple):
 
     colour: str
     dash: str
+
+    def mark(self, x: float, y: float, radius: float) -> str:
+        """The SVG tag and place of a mark at (x, y); its shape tells inks of one colour apart as their dashes do."""
+        r = radius
+        if self.dash == DASHES[1]:
+            return f'path d="M{x - r:.1f} {y - r:.1f}h{2 * r:g}v{2 * r:g}h{-2 * r:g}Z"'
+        if self.dash == DASHES[2]:
+            return f'path d="M{x:.1f} {y - 1.3 * r:.1f}l{1.3 * r:g} {2.2 * r:g}h{-2.6 * r:g}Z"'
+        return f'circle cx="{x:.1f}" cy="{y:.1f}" r="{r:g}"'
 
 
 TECHNIQUES = ("#ee6677", "#ccbb44", "#66ccee", "#4477aa", "#aa3377", "#228833")

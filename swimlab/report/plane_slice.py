@@ -18,8 +18,8 @@ SIZE = (420, 400)
 APART = 0.052
 """Cycles/px between the names of two lines, so that they do not hide each other."""
 
-NEAR = 1.0
-"""Steps of the temporal frequency within which energy is counted to a line."""
+NEAR = 2
+"""Steps of the temporal frequency within which energy is counted to a line: the window over time spreads it so far."""
 
 
 def plane_slice(entry: Mapping[str, Any]) -> tuple[str, str]:
@@ -55,7 +55,8 @@ def plane_slice(entry: Mapping[str, Any]) -> tuple[str, str]:
     body += scale_bar(LOW, HIGH, label="dB to 1 radiance²", box=(plane.box[0], SIZE[1] - 40, plane.box[2], 0))
     sentence = (
         "Full line: what moves with the surface; dashed: aliases of order 1, which swim; "
-        f"{share_at_home(curve, levels):.0%} of the error in this slice is at the full line."
+        f"{share_at_home(curve, levels):.0%} of the error in this slice is at the full line (of a noise it would be "
+        f"{(2 * NEAR + 1) / len(curve['w']):.0%})."
     )
     return drawing(SIZE, "Motion-plane slice of the error", body), sentence
 

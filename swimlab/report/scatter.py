@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from swimlab.pareto import front
 from swimlab.report.charts import HEIGHT, WIDTH, Axis, Plane, drawing, group, number
+from swimlab.report.palette import Ink
 
 Box = tuple[float, float, float, float]
 
@@ -23,12 +24,13 @@ DIRECTIONS = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 
 
 @dataclass(frozen=True)
 class Point:
-    """A dot at (x, y), both above 0 or the point is not drawn; its name and its colour."""
+    """A dot at (x, y), both above 0 or the point is not drawn; its name, its colour and the dash of its ink."""
 
     name: str
     x: float
     y: float | None
     colour: str
+    dash: str = ""
 
 
 def scatter(
@@ -68,9 +70,10 @@ def scatter(
     for (point, value), on, (px, py) in zip(flat, held, places, strict=True):
         kind = "dot best" if on else "dot"
         about = f"{point.name}: {number(value)} at {number(point.x)}" + (", on the front" if on else "")
+        mark = Ink(point.colour, point.dash).mark(px, py, DOT)
         body.append(
-            f'{group(point.name)}<circle class="{kind}" cx="{px:.1f}" cy="{py:.1f}" r="{DOT:g}" '
-            f'stroke="{point.colour}" fill="{point.colour if on else "none"}"><title>{escape(about)}</title></circle>'
+            f'{group(point.name)}<{mark} class="{kind}" stroke="{point.colour}" '
+            f'fill="{point.colour if on else "none"}"><title>{escape(about)}</title></{mark.split()[0]}>'
         )
         body.append("</g>")
     body += _names([point.name for point, _ in flat], places, (left, top, right, bottom))

@@ -32,15 +32,14 @@ class Peak(NamedTuple):
         return math.hypot(self.x, self.y)
 
     @property
-    def degrees(self) -> float:
-        """Direction that the stripes run in, 0 to 180, from level, counter-clockwise as seen."""
-        degrees = math.degrees(math.atan2(-self.x, -self.y)) % 180.0
-        return 0.0 if degrees > 179.95 else degrees
+    def degrees(self) -> int:
+        """Direction that the stripes run in, 0 to 179, from level, counter-clockwise as seen."""
+        return round(math.degrees(math.atan2(-self.x, -self.y))) % 180
 
     def words(self) -> str:
         """Frequency, orientation, period and strength."""
         return (
-            f"{number(self.frequency)} cycles/pixel, stripes at {self.degrees:.0f}° every "
+            f"{number(self.frequency)} cycles/pixel, stripes at {self.degrees}° every "
             f"{number(1 / self.frequency)} px, {self.strength:.0f} dB over their surroundings"
         )
 

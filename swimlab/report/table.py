@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from metrics import METRICS
+from swimlab.columns import COLUMNS, NEITHER, marked
 from swimlab.record import REFERENCE
 from swimlab.report.charts import number
 from swimlab.resolution import MARK, unresolved
@@ -17,6 +18,7 @@ class Column(NamedTuple):
     """A column of the score table; its value is made from the score it needs and all of the technique."""
 
     heading: str
+    title: str
     score: str
     value: Callable[[float, Scores], float]
     text: Callable[[float], str]
@@ -39,14 +41,6 @@ class Table(NamedTuple):
     missing: list[tuple[str, str]]
 
 
-def _root(value: float, _: Scores) -> float:
-    return math.sqrt(max(value, 0))
-
-
-def _same(value: float, _: Scores) -> float:
-    return value
-
-
 def _share(value: float, scores: Scores) -> float:
     return value / scores["budget.mse"] if scores.get("budget.mse") else 0.0
 
@@ -60,38 +54,40 @@ def _percent(value: float) -> str:
     return f"{100 * value:.1f} %"
 
 
+def _shown(heading: str) -> Column:
+    """A column that the terminal has too."""
+    score, show = COLUMNS[heading]
+    ranked = score in METRICS and METRICS[score].better == "lower"
+    text = _percent if score.startswith("plane.") else _aligned
+    return Column(
+        heading,
+        marked(heading),
+        score,
+        lambda value, _: float(show(max(value, 0) if show is math.sqrt else value)),
+        text,
+        ranked,
+    )
+
+
 TIME = "ms_per_frame"
-COLUMNS = (
-    Column("rms error", "budget.mse", _root, _aligned, True),
-    Column("± floor", "budget.floor", _root, _aligned, False),
-    Column("rms bias", "budget.bias", _root, _aligned, True),
-    Column("rms detail", "budget.detail", _root, _aligned, True),
-    Column("rms flicker", "budget.flicker", _root, _aligned, True),
-    Column("share of flicker", "budget.flicker", _share, _percent, False),
-    Column("residual flicker", "residual.flicker", _root, _aligned, True),
-    Column("reference's residual", "residual.flicker.reference", _root, _aligned, False),
-    Column("visible flicker", "visible.flicker", _same, _aligned, True),
-    Column("on plane", "plane.on", _same, _percent, False),
-    Column("order 1", "plane.order1", _same, _percent, True),
-    Column("order 2", "plane.order2", _same, _percent, True),
-    Column("off plane", "plane.off", _same, _percent, True),
-    Column("scale error", "scale.rmse", _same, _aligned, True),
-    Column("self error", "scale.self_rmse", _same, _aligned, True),
-    Column("mean drift, %", "scale.mean_drift", _same, _aligned, True),
-    Column("high lights", "scale.highlight", _same, _aligned, False),
-    Column("slope, %/octave", "scale.slope", _same, _aligned, False),
-    Column("ms a frame", TIME, _same, _aligned, True),
+ERROR, *OTHERS = map(_shown, COLUMNS)
+SHARE = f"share of flicker\N{NO-BREAK SPACE}{NEITHER}"
+TABLE = (
+    ERROR,
+    Column("ms a frame", "ms a frame", TIME, lambda value, _: value, _aligned, True),
+    *OTHERS,
+    Column("share of flicker", SHARE, "budget.flicker", _share, _percent, False),
 )
 
 
 def score_table(entries: Sequence[Entry], milliseconds: Mapping[str, float]) -> Table:
     """The table of one sequence's entries; columns without any value move to `missing` with their reason."""
     headings, columns, missing = [], [], []
-    for column in COLUMNS:
+    for column in TABLE:
         values = [_value(column, entry, milliseconds) for entry in entries]
         reasons = [entry.get("absent", {}).get(column.score) for entry in entries]
         if any(value is not None for value in values):
-            headings.append((column.heading, _hint(column)))
+            headings.append((column.title, _hint(column)))
             columns.append(_cells(column, entries, values, reasons))
         elif any(reasons):
             missing.append((column.heading, next(reason for reason in reasons if reason)))
@@ -102,8 +98,9 @@ def score_table(entries: Sequence[Entry], milliseconds: Mapping[str, float]) -> 
 def _hint(column: Column) -> str:
     if column.score == TIME:
         return "rendering time"
-    metric = METRICS[column.score]
-    return f"{'root of ' if column.value is _root else ''}{column.score}: {metric.description}"
+    root = column.heading in COLUMNS and COLUMNS[column.heading][1] is math.sqrt
+    about = f": {METRICS[column.score].description}" if column.score in METRICS else ""
+    return f"{'root of ' if root else ''}{column.score}{about}"
 
 
 def _value(column: Column, entry: Entry, milliseconds: Mapping[str, float]) -> float | None:

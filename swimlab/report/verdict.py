@@ -10,15 +10,24 @@ from typing import Any, NamedTuple
 
 from swimlab.record import REFERENCE
 from swimlab.report.charts import number
+from swimlab.report.sentences import (
+    about,
+    facts_of,
+    lead,
+    listed,
+    names_of,
+    other_settings,
+    rivals,
+    warnings_of,
+)
 from swimlab.report.weighing import (
+    SCORE,
     WRONG,
     Entries,
     Entry,
     Tested,
     best_for_its_time,
-    calm_but_wrong,
     nearest_of,
-    seen,
     sparkles,
     unresolved_from,
     weigh,
@@ -29,16 +38,12 @@ YARDSTICK = "pixel-aniso"
 
 NEAREST, BEST, FASTEST = "Nearest to the truth", "Best for its time", "Fastest"
 RULE = (
-    "How this was chosen: nearest has the least rms error, fastest the least time a frame, and best for its time the "
+    "Nearest has the least rms error, fastest the least time a frame, and best for its time the "
     "least product of both, so that half the error is worth twice the time, among what does not sparkle: most of its "
     f"squared error is flicker, which is {WRONG:g} times the nearest's error or more. Calm but wrong is what flickers "
     f"no more than the best for its time and errs {WRONG:g} times as much or more."
 )
 TIMES = "Times are this run's, on the machine that rendered it, one technique after another."
-
-
-TOLD = 2
-"""Techniques that look calm but are wrong whose numbers are told; the others are named."""
 
 
 class Pick(NamedTuple):
@@ -52,7 +57,11 @@ class Pick(NamedTuple):
 
 @dataclass
 class Verdict:
-    """What the page says first. lead: one sentence. warnings: what looks calm but is wrong. notes: where it holds."""
+    """What the page says first.
+
+    lead: one sentence or two. warnings: what looks calm but is wrong, and what should not have been weighed together.
+    notes: where it holds. rule: how it was chosen.
+    """
 
     lead: str
     picks: list[Pick] = field(default_factory=list)
@@ -61,33 +70,39 @@ class Verdict:
     rule: str = ""
 
 
-def verdict(entries: Sequence[Entry], milliseconds: Mapping[str, Mapping[str, float]]) -> Verdict:
+def verdict(
+    entries: Sequence[Entry],
+    milliseconds: Mapping[str, Mapping[str, float]],
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+) -> Verdict:
     """Weigh all techniques but the reference.
 
-    entries: of scores.json. milliseconds: sequence -> technique -> ms a frame, what is known.
+    entries: of scores.json. milliseconds: sequence -> technique -> ms a frame, what is known. settings: sequence ->
+    technique -> its settings; where they differ from one sequence to another, the first warning says so.
     """
     tests = [entry for entry in entries if entry["technique"] != REFERENCE]
     by_sequence: dict[str, dict[str, Entry]] = {}
     for entry in tests:
-        if "budget.mse" in entry["scores"]:
+        if SCORE in entry["scores"]:
             by_sequence.setdefault(entry["sequence"], {})[entry["technique"]] = entry
     if not by_sequence:
         return Verdict(_without_errors(tests))
     shared = set.intersection(*(set(mine) for mine in by_sequence.values()))
     names = [name for name in next(iter(by_sequence.values())) if name in shared]
     if not names:
-        return Verdict(f"No technique was measured in every one of {_listed(by_sequence)}: there is nothing to weigh.")
+        return Verdict(f"No technique was measured in every one of {listed(by_sequence)}: there is nothing to weigh.")
     tested = [weigh(name, by_sequence, milliseconds) for name in names]
     if len(tested) > 1:
         told = _weighed(tested, by_sequence)
         told.notes += _where(told, names, by_sequence, milliseconds) + _sizes([p.name for p in told.picks[:2]], tests)
     else:
         told = _alone(tested[0])
+    known = {sequence: (settings or {}).get(sequence, {}) for sequence in by_sequence}
+    told.warnings[:0] = other_settings([*names, REFERENCE], known)
     left = sorted({name for mine in by_sequence.values() for name in mine} - shared)
     if left:
-        told.notes.append(f"Left out, for they are not in every sequence: {_listed(left)}.")
-    flat = next((entry for mine in by_sequence.values() for entry in mine.values()), None)
-    if flat is not None and flat["scores"].get("budget.floor") is None:
+        told.notes.append(f"Left out, for they are not in every sequence: {listed(left)}.")
+    if any("budget.floor" not in entry["scores"] for mine in by_sequence.values() for entry in mine.values()):
         told.notes.append("The reference's own error is not known: small differences may be its.")
     return told
 
@@ -97,35 +112,38 @@ def _weighed(tested: Sequence[Tested], by_sequence: Entries) -> Verdict:
     nearest, best = nearest_of(tested), best_for_its_time(tested)
     timed = [t for t in tested if t.time]
     close = unresolved_from(nearest, tested, by_sequence)
-    near = Pick(NEAREST, nearest.name, _facts(nearest, yardstick), _about(nearest, nearest, close))
+    near = Pick(NEAREST, nearest.name, facts_of(nearest, yardstick), _sparkle(nearest, nearest) + about(nearest, close))
     if best is None or len(timed) < 2:
         told = Verdict(
             f"{nearest.name} is nearest to the truth: rms error {number(nearest.error)}. What it costs cannot be "
             "said: no times of a frame are known.",
             [near],
         )
-        told.warnings = _warnings(nearest, tested)
+        told.warnings = warnings_of(nearest, tested)
     else:
         fastest = min(timed, key=lambda t: t.time or math.inf)
         close = unresolved_from(best, tested, by_sequence)
         told = Verdict(
-            _lead(best, best if nearest in close else nearest, yardstick),
+            lead(best, nearest, yardstick, resolved=nearest not in close, clips=len(by_sequence)),
             [
-                Pick(BEST, best.name, _facts(best, yardstick), _about(best, nearest, close)),
+                Pick(BEST, best.name, facts_of(best, yardstick), _sparkle(best, nearest) + rivals(best, tested, close)),
                 near,
-                Pick(FASTEST, fastest.name, _facts(fastest, yardstick), _about(fastest, nearest, [])),
+                Pick(FASTEST, fastest.name, facts_of(fastest, yardstick), _sparkle(fastest, nearest)),
             ],
-            _warnings(best, tested),
+            warnings_of(best, tested),
             rule=f"{RULE} {TIMES}",
         )
         if len(timed) < len(tested):
-            told.notes.append(f"No time is known for {_listed(t.name for t in tested if not t.time)}.")
+            told.notes.append(f"No time is known for {names_of([t for t in tested if not t.time])}.")
     return told
 
 
+def _sparkle(one: Tested, nearest: Tested) -> list[str]:
+    return ["It sparkles: most of its error is flicker."] if sparkles(one, nearest) else []
+
+
 def _alone(only: Tested) -> Verdict:
-    facts = _facts(only, None)
-    told = ", ".join(f"{what} {value}" for what, value in facts)
+    told = ", ".join(f"{what} {value}" for what, value in facts_of(only, None))
     return Verdict(f"Only {only.name} was measured, so there is nothing to choose from: {told}.")
 
 
@@ -151,61 +169,6 @@ def _without_errors(tests: Sequence[Entry]) -> str:
     return "No error is known: measure the frames against a reference for a verdict."
 
 
-def _lead(best: Tested, nearest: Tested, yardstick: Tested | None) -> str:
-    """nearest: the best itself if nothing is told from it that errs less."""
-    told = f"{best.name} is the best for its time: rms error {number(best.error)} in {_ms(best)} a frame"
-    if yardstick is not None and best is not yardstick and yardstick.time:
-        told += f", {_ratio(best, yardstick)}"
-    if best is nearest:
-        return f"{told}. Nothing here is nearer to the truth by more than the standard errors leave open."
-    slower = (nearest.time or 0.0) / (best.time or math.inf)
-    how = f" in {slower:.3g} times its time" if slower else ""
-    closer = f"{best.error / nearest.error:.2g} times nearer to the truth" if nearest.error else "the truth itself"
-    return f"{told}. {nearest.name} is {closer}{how}."
-
-
-def _ratio(one: Tested, yardstick: Tested) -> str:
-    told = f"{number((one.time or 0.0) / (yardstick.time or math.inf))} times {yardstick.name}'s time"
-    return told + (f" for {number(one.error / yardstick.error)} of its error" if yardstick.error else "")
-
-
-def _facts(one: Tested, yardstick: Tested | None) -> list[tuple[str, str]]:
-    facts = [("rms error", number(one.error))]
-    if one.flicker is not None:
-        facts.append(("rms flicker", number(one.flicker)))
-    if one.visible is not None:
-        facts.append(("visible flicker", number(one.visible)))
-    if one.time:
-        facts.append(("ms a frame", number(one.time)))
-    if one.time and yardstick is not None and yardstick.time and one is not yardstick:
-        facts.append((f"× {yardstick.name}'s time", number(one.time / yardstick.time)))
-    return facts
-
-
-def _ms(one: Tested) -> str:
-    return f"{number(one.time or 0.0)} ms"
-
-
-def _about(one: Tested, nearest: Tested, close: Sequence[Tested]) -> list[str]:
-    notes = ["It sparkles: most of its error is flicker."] if sparkles(one, nearest) else []
-    if not close:
-        return notes
-    notes.append(f"Its error is not resolved from that of {_listed(t.name for t in close)}.")
-    cheaper = [t for t in close if t.time and one.time and t.time < one.time]
-    return notes + ([f"Of these {_listed(t.name for t in cheaper)} took less time."] if cheaper else [])
-
-
-def _warnings(pick: Tested, tested: Sequence[Tested]) -> list[str]:
-    what = "flicker" if pick.visible is None else "visible flicker"
-    wrong = calm_but_wrong(pick, tested)
-    return [
-        f"{one.name} looks calm but is wrong: {what} {number(seen(one, pick) or 0.0)} "
-        f"({pick.name} {number(seen(pick, pick) or 0.0)}), but {number(one.error)} rms error"
-        + (f", {one.error / pick.error:.2g} times as much." if pick.error else ".")
-        for one in wrong[:TOLD]
-    ] + ([f"The same holds for {_listed(one.name for one in wrong[TOLD:])}."] if wrong[TOLD:] else [])
-
-
 def _where(
     told: Verdict, names: Sequence[str], by_sequence: Entries, milliseconds: Mapping[str, Mapping[str, float]]
 ) -> list[str]:
@@ -221,7 +184,7 @@ def _where(
             notes.append(f"On {sequence} by itself {best.name} is best for its time.")
         if nearest.name != picks[NEAREST]:
             notes.append(f"On {sequence} by itself {nearest.name} is nearest.")
-    return [f"Means over {_listed(by_sequence)}" + ("." if notes else "; each by itself picks the same."), *notes]
+    return [f"Means over {listed(by_sequence)}" + ("." if notes else "; each by itself picks the same."), *notes]
 
 
 def _sizes(picks: Sequence[str], tests: Sequence[Entry]) -> list[str]:
@@ -240,11 +203,5 @@ def _sizes(picks: Sequence[str], tests: Sequence[Entry]) -> list[str]:
         ]
         if placed:
             least = "" if order[0] in picks else f", {order[0]} the least ({number(errors[order[0]])})"
-            notes.append(f"Independence of size on {sequence}, by scale error: {_listed(placed)}{least}.")
+            notes.append(f"Independence of size on {sequence}, by scale error: {listed(placed)}{least}.")
     return notes
-
-
-def _listed(names: Any) -> str:
-    """Names in words."""
-    *some, last = list(names)
-    return f"{', '.join(some)} and {last}" if some else str(last)

@@ -5,14 +5,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from metrics.ratios import resolved
+from metrics.ratios import SIGMAS, difference_error, reference_floor
 
 Entry = Mapping[str, Any]
 Entries = Mapping[str, Mapping[str, Entry]]
 """Sequence -> technique -> entry of scores.json."""
 
+SCORE = "budget.mse"
+"""The squared error that techniques are told apart by."""
+
 WRONG = 2.0
 """A technique is wrong if its error is at least so many times that of the pick."""
+
+AS_GOOD = 1.1
+"""Products of error and time up to so many times the least are as good: times of one run are no surer."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ def weigh(name: str, by_sequence: Entries, milliseconds: Mapping[str, Mapping[st
     times = [milliseconds.get(sequence, {}).get(name) for sequence in by_sequence]
     return Tested(
         name,
-        math.sqrt(max(0.0, _mean([each["budget.mse"] for each in scores]) or 0.0)),
+        math.sqrt(max(0.0, _mean([each[SCORE] for each in scores]) or 0.0)),
         _root(_mean([each.get("budget.flicker") for each in scores])),
         _mean([each.get("visible.flicker") for each in scores]),
         _mean(times),
@@ -55,9 +61,21 @@ def nearest_of(tested: Sequence[Tested]) -> Tested:
 
 def best_for_its_time(tested: Sequence[Tested]) -> Tested | None:
     """The least product of error and time, among those that do not sparkle if there are any; None without times."""
+    return min(_eligible(tested), key=lambda one: (_product(one), one.error), default=None)
+
+
+def as_good_for_its_time(best: Tested, tested: Sequence[Tested]) -> list[Tested]:
+    """Which others' product of error and time is within AS_GOOD of the best's."""
+    return [one for one in _eligible(tested) if one is not best and _product(one) <= AS_GOOD * _product(best)]
+
+
+def _eligible(tested: Sequence[Tested]) -> list[Tested]:
     timed = [one for one in tested if one.time]
-    calm = [one for one in timed if not sparkles(one, nearest_of(tested))]
-    return min(calm or timed, key=lambda t: (t.error * (t.time or 0.0), t.error), default=None)
+    return [one for one in timed if not sparkles(one, nearest_of(tested))] or timed
+
+
+def _product(one: Tested) -> float:
+    return one.error * (one.time or 0.0)
 
 
 def sparkles(one: Tested, nearest: Tested) -> bool:
@@ -66,14 +84,21 @@ def sparkles(one: Tested, nearest: Tested) -> bool:
 
 
 def unresolved_from(one: Tested, others: Sequence[Tested], by_sequence: Entries) -> list[Tested]:
-    """Which others an error is not told from in some sequence."""
-    return [
-        other
-        for other in others
-        if other is not one
-        and any(not resolved("budget.mse", mine[one.name], mine[other.name]) for mine in by_sequence.values())
-        and other.error < WRONG * one.error
-    ]
+    """Which others an error is not told from, of those that err less than WRONG times as much."""
+    rivals = [other for other in others if other is not one and other.error < WRONG * one.error]
+    return [other for other in rivals if not _told_apart(one.name, other.name, by_sequence)]
+
+
+def _told_apart(one: str, other: str, by_sequence: Entries) -> bool:
+    """Whether two means over sequences differ by more than chance and the reference's own error explain.
+
+    As `metrics.ratios.resolved`. Sequences may show the same surface, so their standard errors are not averaged down.
+    """
+    pairs = [(mine[one], mine[other]) for mine in by_sequence.values()]
+    error = _mean([difference_error(SCORE, *pair) for pair in pairs])
+    floor = _mean([reference_floor(SCORE, a["scores"], b["scores"]) for a, b in pairs])
+    difference = _mean([a["scores"][SCORE] - b["scores"][SCORE] for a, b in pairs])
+    return error is not None and abs(difference or 0.0) > max(SIGMAS * error, floor or 0.0)
 
 
 def calm_but_wrong(pick: Tested, tested: Sequence[Tested]) -> list[Tested]:

@@ -8,7 +8,8 @@ from pathlib import Path
 from metrics import Bloom, Display, align, measure
 from swimlab.measure import display_of, read_clip, reference_error
 from swimlab.record import REFERENCE, Record, RunError
-from swimlab.run import GEOMETRY, check_complete
+from swimlab.renderer import GEOMETRY
+from swimlab.run import check_complete
 
 LINEAR = "linear"
 """The row of radiance as it was rendered."""

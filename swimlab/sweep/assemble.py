@@ -1,5 +1,6 @@
 """Run folders from finished chunks, as `swimlab render` would have written them."""
 
+import json
 import shutil
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,8 +9,9 @@ from statistics import median
 from swimlab.files import replacing
 from swimlab.frames import frame_path
 from swimlab.plan import Plan
-from swimlab.record import REFERENCE, Record
-from swimlab.run import ERROR, GEOMETRY, open_record
+from swimlab.record import REFERENCE, Record, RunError
+from swimlab.renderer import ERROR, GEOMETRY
+from swimlab.run import earlier_record, open_record, outdated
 from swimlab.sweep.chunk import Chunk, Chunks
 from swimlab.sweep.render import read_rows
 
@@ -17,12 +19,15 @@ from swimlab.sweep.render import read_rows
 def assemble(plan: Plan, chunks: Chunks, out: Path, *, command: str) -> tuple[Path, Record] | None:
     """Make OUT/runs/NAME of the techniques whose chunks are all done; None where geometry or reference are not.
 
-    Frames are hard links to those of the chunks, or copies where the file system has no links.
+    Frames are hard links to those of the chunks, or copies where the file system has no links. A folder that is whole
+    by its run.json is left as it is. Raises RunError naming a damaged chunk.
     """
     done = {name: parts for name, parts in chunks.items() if all(part.path(out).exists() for part in parts)}
     if GEOMETRY not in done or REFERENCE not in done:
         return None
     run = out / "runs" / plan.sequence.name
+    if (whole := _whole(plan, done, out, run)) is not None:
+        return run, whole
     record = open_record(plan, run, force=True, command=command)
     record.techniques = [name for name in plan.techniques if name in done]
     record.frames = list(plan.frames)
@@ -41,11 +46,31 @@ def assemble(plan: Plan, chunks: Chunks, out: Path, *, command: str) -> tuple[Pa
     return run, record
 
 
+def _whole(plan: Plan, done: Chunks, out: Path, run: Path) -> Record | None:
+    """The record of a run folder that was made of all these chunks, as they are."""
+    record = earlier_record(plan, run, force=True)
+    if record is None or outdated(plan, record):
+        return None
+    made_of = [name for name in plan.techniques if name in done], list(plan.frames)
+    if (record.techniques, record.frames) != made_of:
+        return None
+    if record.sequence != json.loads(json.dumps(plan.sequence_in_full())):
+        return None  # how it is looked at is no part of the hash
+    made = (run / "run.json").stat().st_mtime_ns
+    chunks = (part.path(out) / "chunk.json" for parts in done.values() for part in parts)
+    return record if all(path.is_file() and path.stat().st_mtime_ns <= made for path in chunks) else None
+
+
 def _place_all(parts: Iterable[Chunk], folders: Iterable[str], out: Path, run: Path) -> None:
     for part in parts:
         for folder in folders:
             for frame in part.frames:
-                _place(frame_path(part.path(out), folder, frame), frame_path(run, folder, frame))
+                source = frame_path(part.path(out), folder, frame)
+                if not source.is_file():
+                    raise RunError(
+                        f"{source}: is missing; delete {part.path(out)}, and the same command renders it anew"
+                    )
+                _place(source, frame_path(run, folder, frame))
 
 
 def _place(source: Path, target: Path) -> None:

@@ -11,10 +11,10 @@ from typing import Any
 from sequences import Sequence
 from sequences.scene import Scene
 from swimlab import __version__
-from swimlab.catalogue import technique_settings, techniques
+from swimlab.catalogue import own_code, technique_settings, techniques
 from swimlab.plan import Plan
 from swimlab.record import REFERENCE
-from swimlab.run import GEOMETRY
+from swimlab.renderer import GEOMETRY
 
 NO_PIXELS = {"name", "techniques", "viewing", "display"}
 """Keys of a sequence that decide no pixel of a technique."""
@@ -25,7 +25,8 @@ class Chunk:
     """Plain data, all that a worker needs but the map files.
 
     sequence: content of a sequence file; folder: where its map files are. technique: by name, or `geometry`.
-    digest: 16 hexadecimal digits over all that decides the pixels; equal work has equal digits.
+    digest: 16 hexadecimal digits over all that decides the pixels; equal work has equal digits. code: hash of the
+    technique's file where that is one's own.
     """
 
     digest: str
@@ -36,6 +37,7 @@ class Chunk:
     samples: int
     half: bool
     version: str = __version__
+    code: str | None = None
 
     @property
     def label(self) -> str:
@@ -63,9 +65,13 @@ def cut(plan: Plan, frames: int) -> Chunks:
     for name in (GEOMETRY, *plan.techniques):
         remembers = name != GEOMETRY and techniques()[name].memory is not None
         remembers = remembers and not plan.sequence.motion.resizes
-        content = _content(plan, name)
+        content, code = _content(plan, name), own_code().get(name)
+        if code is not None:
+            content["code"] = code
         chunks[name] = [
-            Chunk(_digest({**content, "frames": span}), sequence, folder, name, span, plan.samples, plan.half)
+            Chunk(
+                _digest({**content, "frames": span}), sequence, folder, name, span, plan.samples, plan.half, code=code
+            )
             for span in spans(plan.frames, frames, doubling=remembers)
         ]
     return chunks

@@ -11,7 +11,7 @@ from swimlab.sweep.task import Engine, Task
 
 RETRIES = 1
 """How often a task that raised is tried again. A killed worker's tasks are done by others without counting here."""
-PATIENCE = "30s"
+PATIENCE = "10s"
 """How long a scheduler may take to answer."""
 
 

@@ -37,12 +37,12 @@ class Sweep(Table):
         {}, description="values by dotted key of the sequence file; every combination is rendered"
     )
 
-    _folder: Path = PrivateAttr(default=Path())
+    _path: Path = PrivateAttr(default=Path())
 
     @property
-    def folder(self) -> Path:
-        """Where the sweep file lies, which sequence files are relative to."""
-        return self._folder
+    def path(self) -> Path:
+        """The sweep file; sequence files are relative to its folder."""
+        return self._path
 
     def names(self) -> tuple[str, ...]:
         """The techniques in the order of the catalogue, the reference among them."""
@@ -50,7 +50,7 @@ class Sweep(Table):
 
 
 def load_sweep(path: Path) -> Sweep:
-    """Read a sweep file. Raises SweepError with every problem at once, each as `file: key: what (hint)`."""
+    """Read a sweep file. Raises SweepError with every problem of its form, each as `file: key: what (hint)`."""
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
@@ -63,14 +63,12 @@ def load_sweep(path: Path) -> Sweep:
         sweep = Sweep.model_validate(data)
     except ValidationError as error:
         raise SweepError("\n".join(f"{path}: {problem}" for problem in describe(error, Sweep))) from None
-    if problems := _problems(sweep):
-        raise SweepError("\n".join(f"{path}: {problem}" for problem in problems))
-    sweep._folder = path.parent
+    sweep._path = path
     return sweep
 
 
-def _problems(sweep: Sweep) -> list[str]:
-    """What is wrong between keys that are well formed by themselves."""
+def check(sweep: Sweep) -> list[str]:
+    """What is wrong between keys that are well formed by themselves, as `key: what (hint)`."""
     known = techniques()
     problems = [
         f"techniques: there is no {name!r} {hint(name, known)}" for name in sweep.techniques if name not in known

@@ -12,7 +12,7 @@ from sequences.problems import SequenceError
 from swimlab.catalogue import brdf_settings, technique_settings
 from swimlab.plan import Plan, check_samples, parse_frames
 from swimlab.record import RunError
-from swimlab.sweep.file import Sweep, SweepError
+from swimlab.sweep.file import Sweep, SweepError, check
 
 LONGEST_NAME = 100
 
@@ -20,29 +20,39 @@ LONGEST_NAME = 100
 def configurations(sweep: Sweep) -> list[Plan]:
     """What to render, a plan for each sequence and combination; a plan's sequence is named after what is varied.
 
-    Raises SweepError with every problem of every combination at once.
+    Raises SweepError with every problem of the file and of every combination at once.
     """
-    problems: dict[str, None] = {}
+    between = check(sweep)
+    problems: dict[str, None] = dict.fromkeys(between)
     plans: dict[str, Plan] = {}
-    combinations = [dict(zip(sweep.grid, values, strict=True)) for values in product(*sweep.grid.values())]
-    for source in sweep.sequences:
-        for varied in combinations:
-            try:
-                plan = _plan(sweep, source, varied)
-                if plan.sequence.name in plans:
-                    problems[f"sequences: two are named {plan.sequence.name!r}; give one of them another name"] = None
-                plans[plan.sequence.name] = plan
-            except SequenceError as error:
-                problems |= dict.fromkeys(error.problems)
-            except RunError as error:
-                problems[str(error).removeprefix("--")] = None
+    for source, varied in points(sweep):
+        try:
+            plan = _plan(sweep, source, varied)
+            if plan.sequence.name in plans and not between:
+                problems[f"sequences: two are named {plan.sequence.name!r}; give one of them another name"] = None
+            plans[plan.sequence.name] = plan
+        except SequenceError as error:
+            problems |= dict.fromkeys(error.problems)
+        except RunError as error:
+            problems[str(error).removeprefix("--")] = None
     if problems:
-        raise SweepError("\n".join(f"{sweep.name}: {problem}" for problem in problems))
+        raise SweepError("\n".join(f"{sweep.path}: {problem}" for problem in problems))
     return list(plans.values())
 
 
+def points(sweep: Sweep) -> list[tuple[str, dict[str, Any]]]:
+    """Each configuration's sequence, as the sweep names it, and value of each varied key; in the order of the plans."""
+    combinations = [dict(zip(sweep.grid, values, strict=True)) for values in product(*sweep.grid.values())]
+    return [(source, varied) for source in sweep.sequences for varied in combinations]
+
+
+def short(key: str) -> str:
+    """The last two parts of a dotted key."""
+    return ".".join(key.split(".")[-2:])
+
+
 def _plan(sweep: Sweep, source: str, varied: Mapping[str, Any]) -> Plan:
-    place = str(sweep.folder / source) if source.endswith(".toml") else source
+    place = str(sweep.path.parent / source) if source.endswith(".toml") else source
     changes = {"size": list(sweep.size)} if sweep.size is not None else {}
     sequence = load(
         place, technique_settings=technique_settings(), brdfs=brdf_settings(), changes=changes | dict(varied)
@@ -50,7 +60,7 @@ def _plan(sweep: Sweep, source: str, varied: Mapping[str, Any]) -> Plan:
     return Plan(
         sequence=sequence.with_changes(name=name_of(sequence.name, varied)),
         techniques=sweep.names(),
-        frames=parse_frames(sweep.frames or f"0-{sequence.frames - 1}", sequence.frames),
+        frames=parse_frames(f"0-{sequence.frames - 1}" if sweep.frames is None else sweep.frames, sequence.frames),
         samples=check_samples(sweep.samples),
     )
 
@@ -62,7 +72,7 @@ def name_of(sequence: str, varied: Mapping[str, Any]) -> str:
     """
     if not varied:
         return sequence
-    keys = [".".join(key.split(".")[-2:]) for key in varied]
+    keys = [short(key) for key in varied]
     values = [value if isinstance(value, str) else json.dumps(value, default=str) for value in varied.values()]
     name = "_".join([sequence, *(f"{key}-{value}" for key, value in zip(keys, values, strict=True))])
     if len(name) <= LONGEST_NAME and len(set(keys)) == len(keys) and re.fullmatch(r"[A-Za-z0-9._-]+", name):

@@ -4,8 +4,7 @@ import json
 import os
 import shutil
 import socket
-import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -14,15 +13,14 @@ from typing import Any
 
 from sequences import Sequence
 from swimlab import __version__
-from swimlab.catalogue import model_of
+from swimlab.catalogue import own_code
 from swimlab.files import write_json
-from swimlab.frames import COLOUR, frame_path, write_channels, write_frame, write_geometry
-from swimlab.geometry import describe_geometry
+from swimlab.frames import COLOUR, FrameError, read_channels
+from swimlab.frames import GEOMETRY as GEOMETRY_CHANNELS
 from swimlab.launch import Launcher
-from swimlab.material import load_material
+from swimlab.plan import Plan
 from swimlab.record import RunError
-from swimlab.run import ERROR, GEOMETRY, begin, check_range, rms_error
-from swimlab.shot import Shot
+from swimlab.renderer import GEOMETRY, Renderer
 from swimlab.sweep.chunk import Chunk
 
 RENDERING = Lock()
@@ -33,57 +31,72 @@ def render_chunk(chunk: Chunk, out: Path, threads: int | None) -> None:
     """Render a chunk's frames into its folder beneath `out`, with chunk.json beside them; nothing where it is there.
 
     Safe to be called for the same chunk in several processes and machines at once. Raises RunError where this is not
-    the version of swimlab that made the chunk, and whatever rendering raises.
+    the version of swimlab, or the code of a technique of one's own, that made the chunk, and whatever rendering raises.
     """
     if chunk.version != __version__:
         raise RunError(
             f"this machine has swimlab {__version__} and the sweep was made by {chunk.version}; install that"
         )
+    if chunk.code != own_code().get(chunk.technique):
+        raise RunError(
+            f"this machine lacks the sweep's {chunk.technique!r}, or has another; "
+            "let SWIMLAB_TECHNIQUES name the same files here"
+        )
     target = chunk.path(out)
     if target.exists():
         return
     with RENDERING, _whole(target) as folder, Launcher(threads=threads) as launcher:
-        frames = _Frames(chunk, folder, launcher)
-        rows = [frames.write(frame) for frame in chunk.frames]
+        renderer = Renderer(_plan(chunk), launcher, digest=chunk.digest)
+        rows = [_write(renderer, chunk, frame, folder) for frame in chunk.frames]
         about = {key: value for key, value in asdict(chunk).items() if key not in {"sequence", "folder"}}
         write_json(folder / "chunk.json", about | {"sequence": chunk.sequence, "rows": rows})
 
 
 def read_rows(chunk: Chunk, out: Path) -> list[dict[str, Any]]:
-    """Of each frame of a finished chunk its number, ms, shaded samples and rms error, as far as it has them."""
-    rows: list[dict[str, Any]] = json.loads((chunk.path(out) / "chunk.json").read_text(encoding="utf-8"))["rows"]
+    """Of each frame of a finished chunk its number, ms, shaded samples and rms error, as far as it has them.
+
+    Raises RunError where the chunk is damaged.
+    """
+    path = chunk.path(out) / "chunk.json"
+    try:
+        rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    except (OSError, ValueError, KeyError) as error:
+        raise RunError(
+            f"{path}: is missing or damaged ({error}); delete {path.parent}, and the same command renders it anew"
+        ) from error
     return rows
 
 
-class _Frames:
-    """Renders and writes the frames of a chunk, in turn."""
+def remove_damaged(chunks: Iterable[Path]) -> list[Path]:
+    """Remove the folders of chunks of which a frame cannot be read; return them."""
+    removed = [folder for folder in chunks if not all(map(_is_sound, folder.glob("*/*.exr")))]
+    for folder in removed:
+        shutil.rmtree(folder, ignore_errors=True)
+    return removed
 
-    def __init__(self, chunk: Chunk, folder: Path, launcher: Launcher) -> None:
-        self._chunk, self._folder, self._launcher = chunk, folder, launcher
-        self._sequence = Sequence.model_validate(chunk.sequence, context={"folder": Path(chunk.folder)})
-        self._model = model_of(self._sequence)
-        self._material = load_material(self._sequence, launcher, twisted=self._model.anisotropic)
-        self._render = None if chunk.technique == GEOMETRY else begin(self._sequence, chunk.technique)
-        self._metadata = {"swimlab:hash": chunk.digest, "swimlab:version": __version__}
 
-    def write(self, frame: int) -> dict[str, Any]:
-        """One frame's files; its row of chunk.json."""
-        chunk = self._chunk
-        shot = Shot(self._sequence, frame, self._material, self._model, chunk.samples, self._launcher)
-        path = frame_path(self._folder, chunk.technique, frame)
-        if self._render is None:
-            write_geometry(path, describe_geometry(shot), metadata=self._metadata)
-            return {"frame": frame}
-        started = time.perf_counter()
-        picture = self._render(shot)
-        row = {"frame": frame, "ms": 1e3 * (time.perf_counter() - started), "shaded": picture.shaded}
-        check_range(picture, chunk.technique, frame, half=chunk.half)
-        write_frame(path, picture.rgba, half=chunk.half, metadata=self._metadata)
-        if picture.error is not None:
-            error = frame_path(self._folder, ERROR, frame)
-            write_channels(error, picture.error, COLOUR, half=False, metadata=self._metadata)
-            row["rms_error"] = rms_error(picture.rgba, picture.error)
-        return row
+def _is_sound(frame: Path) -> bool:
+    try:
+        read_channels(frame, GEOMETRY_CHANNELS if frame.parent.name == GEOMETRY else COLOUR)
+    except FrameError:
+        return False
+    return True
+
+
+def _plan(chunk: Chunk) -> Plan:
+    sequence = Sequence.model_validate(chunk.sequence, context={"folder": Path(chunk.folder)})
+    techniques = () if chunk.technique == GEOMETRY else (chunk.technique,)
+    return Plan(sequence, techniques, chunk.frames, chunk.samples, chunk.half)
+
+
+def _write(renderer: Renderer, chunk: Chunk, frame: int, folder: Path) -> dict[str, Any]:
+    """One frame's files; its row of chunk.json."""
+    shot = renderer.shot(frame)
+    if chunk.technique == GEOMETRY:
+        renderer.write_geometry(shot, folder)
+        return {"frame": frame}
+    picture = renderer.write_picture(shot, chunk.technique, folder)._asdict()
+    return {"frame": frame, **{key: value for key, value in picture.items() if value is not None}}
 
 
 def temporary_folder(target: Path) -> Path:
@@ -106,11 +119,10 @@ def _whole(target: Path) -> Iterator[Path]:
     folder.mkdir(parents=True)
     try:
         yield folder
-        try:
-            folder.rename(target)
-        except OSError:
-            # Another process was first; its result is the same.
-            if not target.exists():
-                raise
+        folder.rename(target)
+    except Exception:
+        # Where another process was first, its result is the same, and it may have cleared this one away.
+        if not target.exists():
+            raise
     finally:
         shutil.rmtree(folder, ignore_errors=True)

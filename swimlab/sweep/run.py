@@ -81,7 +81,8 @@ def finish(work: Work, out: Path, engine: Engine, *, command: str, show: Show) -
         claimed |= set(missing.values())
         if missing:
             label = f"scores of {plan.sequence.name}"
-            tasks.append(Task(f"scores-{record.hash}", label, measure_missing, (run, missing, domain)))
+            folders = [part.path(out) for parts in chunks.values() for part in parts]
+            tasks.append(Task(f"scores-{record.hash}", label, measure_missing, (run, missing, domain, folders)))
     outcome = Outcome(failures=_perform(tasks, out, engine, what="measuring", show=show))
     for run, record, files in runs:
         entries = [read_entry(file, record.sequence["name"]) for file in files.values() if file.exists()]

@@ -2,16 +2,19 @@
 
 import hashlib
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from swimlab import __version__
 from swimlab.files import write_json
+from swimlab.frames import FrameError
 from swimlab.measure import Domain, measure_techniques
 from swimlab.plan import Plan
-from swimlab.record import REFERENCE, Record
-from swimlab.run import GEOMETRY
+from swimlab.record import REFERENCE, Record, RunError
+from swimlab.renderer import GEOMETRY
 from swimlab.sweep.chunk import Chunks
+from swimlab.sweep.render import remove_damaged
 
 
 def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: Path) -> Path:
@@ -30,17 +33,30 @@ def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: 
     return out / "scores" / f"{digest}.json"
 
 
-def measure_missing(run: Path, files: dict[str, Path], domain: Domain) -> None:
+def measure_missing(run: Path, files: dict[str, Path], domain: Domain, chunks: Iterable[Path]) -> None:
     """Write the entries of scores.json of techniques of a run into their files, those that are not there.
 
-    They are measured together, as aligning the frames costs more than any of them.
+    They are measured together, as aligning the frames costs more than any of them. chunks: folders of those that the
+    run is made of; damaged ones are removed, so that the same command renders them anew. Raises as `measure_run`.
     """
     missing = [name for name, path in files.items() if not path.exists()]
-    for entry in measure_techniques(run, Record.read(run), missing, domain=domain):
+    try:
+        entries = measure_techniques(run, Record.read(run), missing, domain=domain)
+    except FrameError as error:
+        if not (removed := remove_damaged(chunks)):
+            raise
+        raise FrameError(f"{error}; of its chunks {len(removed)} are damaged and now removed") from error
+    for entry in entries:
         write_json(files[entry["technique"]], entry)
 
 
 def read_entry(path: Path, sequence: str) -> dict[str, Any]:
-    """The entry that was written, perhaps for a configuration of another name, as one of `sequence`."""
-    entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    """The entry that was written, perhaps for a configuration of another name, as one of `sequence`.
+
+    Raises RunError where the file is damaged.
+    """
+    try:
+        entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise RunError(f"{path}: is damaged ({error}); delete it, and the same command measures anew") from error
     return entry | {"sequence": sequence}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metrics import METRICS, Clip, Measurement, measure, measure_scales, quantisation, resolved, synthetic
-from metrics.ratios import BLOCKS, RUN, Ratios, difference_error, jackknife, overlap
+from metrics.ratios import BLOCKS, RUN, Ratios, difference_error, jackknife, logarithmic_mean, overlap
 from metrics.spectra import OCTAVES
 
 MOTION = (23 / 32, 19 / 32)
@@ -161,9 +161,40 @@ def test_what_the_surface_does_to_both_cancels_in_a_difference():
         measured.put("plane.off", each.value("part"), "", error=each.error("part"), replicates=each.replicates("part"))
         found[name] = vars(measured)
     paired = difference_error("plane.off", found["one"], found["more"])
-    assert paired < 0.1 * np.hypot(found["one"]["errors"]["plane.off"], found["more"]["errors"]["plane.off"])
+    assert 0 < paired < 0.1 * np.hypot(found["one"]["errors"]["plane.off"], found["more"]["errors"]["plane.off"])
     assert resolved("plane.off", found["one"], found["more"])
     assert not resolved("plane.off", found["one"], found["elsewhere"])
+
+
+def test_one_bright_tile_does_not_hide_that_everything_is_five_times_as_wrong():
+    """Of a difference nearly all is that tile's; of a ratio it has the same as all others."""
+    random = np.random.default_rng(10)
+    scale = np.r_[1000.0, random.uniform(0.5, 1.5, 399)]
+    found = []
+    for wrong in (1.0, 5.0):
+        ratios = Ratios()
+        ratios.add(64, np.ones(400), {"part": wrong * scale * random.normal(1, 0.1, 400)})
+        measured = Measurement()
+        measured.put("plane.off", ratios.value("part"), "", replicates=ratios.replicates("part"))
+        found.append(vars(measured))
+    assert jackknife(np.subtract(*(each["replicates"]["plane.off"] for each in found))) > 1
+    assert resolved("plane.off", *found)
+    assert difference_error("plane.off", *found) == pytest.approx(difference_error("plane.off", *found[::-1]))
+
+
+def test_scores_about_0_are_told_apart_by_their_difference():
+    entries = [
+        {"scores": {"scale.slope": value}, "replicates": {"scale.slope": [value + each for each in (-0.1, 0.0, 0.2)]}}
+        for value in (-0.5, 0.5)
+    ]
+    assert difference_error("scale.slope", *entries) == pytest.approx(0, abs=1e-12)
+    assert resolved("scale.slope", *entries)
+
+
+def test_a_logarithmic_mean_lies_between(tolerance):
+    assert logarithmic_mean(2.0, 2.0) == 2
+    assert logarithmic_mean(1.0, np.e) == pytest.approx(np.e - 1, rel=tolerance("closed form"))
+    assert logarithmic_mean(np.e, 1.0) == pytest.approx(np.e - 1, rel=tolerance("closed form"))
 
 
 def test_replicates_leave_out_runs_of_tiles_and_do_not_depend_on_parts(tolerance):

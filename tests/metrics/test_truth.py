@@ -55,3 +55,10 @@ def test_a_truth_of_another_domain_is_refused():
     flat = Clip(lambda _: np.ones((32, 32, 3), np.float32), 2)
     with pytest.raises(ValueError, match="truth is of another domain"):
         measure(flat, Truth(flat), domain="display")
+
+
+def test_an_error_of_no_reference_is_refused():
+    flat = Clip(lambda _: np.ones((32, 32, 3), np.float32), 2)
+    for reference in (None, Truth(flat)):
+        with pytest.raises(ValueError, match="needs a clip as reference"):
+            measure(flat, reference, reference_error=lambda _: np.zeros((32, 32, 3)))

@@ -77,6 +77,10 @@ def test_every_command_has_help(swimlab, command):
     assert f"swimlab {command}" in out
 
 
+def test_a_commands_page_holds_more_than_its_line(swimlab):
+    assert "tables are scores, frames, runs and times" in " ".join(swimlab("table", "--help")[1].split())
+
+
 def test_render_writes_what_the_contract_says(swimlab, tiny, tmp_path):
     words = ("render", tiny, "-t", "tsl,pixel-point", "-o", "out", "--frames", "0-2x2", "--threads", "2")
     code, out, err = swimlab(*words)
@@ -190,7 +194,7 @@ def test_interrupts_have_their_own_exit_code(swimlab, tiny, tmp_path, monkeypatc
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("swimlab.run.write_frame", interrupted)
+    monkeypatch.setattr("swimlab.renderer.write_frame", interrupted)
     code, out, err = swimlab("render", tiny, "-t", "pixel-point", "-o", "out")
     assert (code, out) == (130, "")
     assert "interrupted" in err
@@ -237,9 +241,39 @@ def test_metrics_are_listed_with_unit_and_direction(swimlab):
 
     code, out, _ = swimlab("list", "metrics")
     assert code == 0
-    for name in METRICS:
-        assert name in out
+    named = [line.split()[0] for line in out.splitlines()[1:] if line[0] != " "]
+    assert named == [name for name in METRICS if not name.endswith((".near", ".mid", ".far"))]
+    assert "squared error of the radiance; also .near, .mid, .far" in " ".join(out.split())
     assert all(word in out.splitlines()[0] for word in ("metric", "unit", "better"))
+    whole = json.loads(swimlab("list", "metrics", "--json")[1])
+    assert [row["metric"] for row in whole] == list(METRICS)
+    assert [row["source"] for row in whole] == [metric.source for metric in METRICS.values()]
+
+
+def test_sequences_are_listed_with_what_they_are(swimlab, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    code, out, _ = swimlab("list", "sequences")
+    assert code == 0
+    assert all(len(line.split(maxsplit=4)) == 5 and line.rstrip()[-1] == "." for line in out.splitlines()[1:])
+    assert ".toml" not in out
+    whole = json.loads(swimlab("list", "sequences", "--json")[1])
+    assert [row["file"] for row in whole] == [str(path) for path in library().values()]
+    assert all(path.read_text(encoding="utf-8").startswith("# ") for path in library().values())
+
+
+def test_a_list_of_nothing_names_its_choices(swimlab):
+    code, out, err = swimlab("list")
+    assert (code, out) == (2, "")
+    assert "techniques, sequences, brdfs, metrics" in err
+
+
+def test_a_reader_that_is_gone_is_no_complaint():
+    words = [sys.executable, "-c", "from swimlab.cli.main import main; main()", "list", "techniques", "--json"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait() == 2
 
 
 def test_info_prints_a_sequence_with_every_default(swimlab):

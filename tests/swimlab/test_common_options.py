@@ -19,6 +19,13 @@ def test_a_dry_run_says_what_lacks_and_renders_nothing(swimlab, tmp_path):
     assert "4 of 6 pictures" in swimlab("study", *words[1:], "--frames", "0-1", "--dry-run")[1]
     assert "2 of 4 pictures" in swimlab(*words, "--frames", "0-1", "--dry-run")[1]
     assert "4 of 4 pictures" in swimlab(*words, "--frames", "0-1", "--dry-run", "--force")[1]
+    (row,) = json.loads(swimlab("study", *words[1:], "--frames", "0-1", "--dry-run", "--json")[1])
+    assert (row["run"], row["techniques"], row["pictures"], row["done"]) == (
+        "run",
+        ["pixel-bilinear", "pixel-point", "reference"],
+        6,
+        2,
+    )
     code, _, err = swimlab(*words, "--samples", "16", "--dry-run")
     assert code == 2
     assert "run: holds a run of other settings" in err
@@ -46,6 +53,26 @@ def test_what_is_shown_comes_as_json_too(swimlab, tmp_path, words, key):
     assert code == 0
     found = json.loads(out)
     assert all(key in each for each in (found if isinstance(found, list) else [found]))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["bogus"], 'Unknown command "bogus"'),
+        (["render"], "parameter SEQUENCE requires an argument"),
+        (["render", "road-shift", "--bogus"], "Unknown option: --bogus"),
+        (["render", "road-shift", "--frames", ""], "--frames : the sequence has frames 0-31"),
+        (["list", "foo"], 'Invalid value "foo" for KIND'),
+        (["study", "road-shift", "road-shift"], "road-shift: 2 of the sequences are named so"),
+        (["nothing", "\n".join("ab")], 'Unknown command "nothing"'),
+    ],
+)
+def test_a_mistake_is_told_in_a_line(swimlab, tmp_path, words, said):
+    code, out, err = swimlab(*words)
+    assert (code, out) == (2, "")
+    assert err.startswith("swimlab: ")
+    assert said in err.splitlines()[0]
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_quiet_selftest_shows_what_is_off(swimlab, monkeypatch):

@@ -213,6 +213,25 @@ def test_one_clip_each_is_compared_whatever_the_files_are_called(swimlab, tmp_pa
     assert "other names: sequence shot_v1 → shot_v2" in out
 
 
+def test_one_sequence_each_is_paired_by_technique_whatever_it_is_called(swimlab, tmp_path):
+    """As two run folders of a sweep are: the varied setting is named and marks whom it concerns."""
+    for name, digest, size, flicker in (("a", "1" * 16, 1024, 1.0), ("b", "2" * 16, 128, 2.0)):
+        record(tmp_path / name, digest, name=f"road_{size}", techniques={"tsl": {"size": size}})
+        found = entry(f"road_{size}", budget_flicker=flicker)
+        write(tmp_path / name, found, entry(f"road_{size}", "lean", budget_flicker=flicker), errors=0.01, digest=digest)
+    code, out, _ = swimlab("compare", "a", "b")
+    assert code == 0
+    verdicts = [line.split()[-1] for line in out.splitlines() if line.startswith(("  tsl", "  lean"))]
+    assert verdicts == ["worse*", "worse"]
+    assert "#1: road_1024: OTHER SETTINGS: techniques.tsl.size 1024 → 128\n" in out
+    assert "#1: road_1024: other names: sequence road_1024 → road_128\n" in out
+
+
+def test_another_name_alone_explains_another_hash(tmp_path):
+    one, other = (record(tmp_path / name, name, name=name) for name in ("a", "b"))
+    assert differences(measured(folder=one), measured(hash="b", folder=other)) == []
+
+
 def test_patterns_choose_techniques_and_scores(tmp_path):
     for name in ("a", "b"):
         entries = [entry(technique=t, budget_flicker=1.0, plane_off=1.0) for t in ("tsl", "pixel-point", "pixel-aniso")]
@@ -239,7 +258,7 @@ def test_patterns_choose_techniques_and_scores(tmp_path):
 )
 def test_what_cannot_be_compared_is_refused(swimlab, tmp_path, words, said):
     write(tmp_path / "a", entry(budget_flicker=1.0))
-    hills = [entry("road-hills", technique, budget_flicker=1.0) for technique in ("tsl", "lean")]
+    hills = [entry("road-hills", technique, budget_flicker=1.0) for technique in ("vmf", "lean")]
     write(tmp_path / "other", *hills)
     code, out, err = swimlab("compare", *words)
     assert (code, out) == (2, "")

@@ -127,6 +127,7 @@ def test_the_table_and_the_file(swimlab, clips, tmp_path):
     assert "glued, linear" in out
     assert "rms error" in out
     assert "verified" in err
+    assert out.endswith("out/scores.json\n")
     scores = json.loads((tmp_path / "out" / "scores.json").read_text())
     assert "budget.mse" in scores["sequences"][0]["scores"]
     code, out, err = swimlab(*words, "-q")
@@ -237,6 +238,70 @@ def test_info_says_what_frames_were_taken_for(swimlab, clips, tmp_path):
             tmp_path / f"a.{t:04d}.exr", np.ones((4, 5, 4), np.float32), tuple("RGBA"), half=True, metadata={}
         )
     code, out, _ = swimlab("info", ".")
-    assert code == 0
+    assert code == 2
     for words in ("4, 1-4", "R, G, B, A; half", "taken as linear", "A, premultiplied", "a.0003.exr: is missing"):
         assert words in out
+
+
+def test_info_finds_frames_that_are_cut_short(swimlab, tmp_path):
+    """Wherever their data is cut: the end of the file is read too."""
+    random = np.random.default_rng(0)
+    for kept in (0.2, 0.7, 0.99):
+        for t in range(3):
+            pixels = random.random((HEIGHT, WIDTH, 3)).astype(np.float32)
+            write_channels(tmp_path / f"cut.{t:04d}.exr", pixels, ("R", "G", "B"), half=False, metadata={})
+        assert swimlab("info", "cut.####.exr")[0] == 0
+        path = tmp_path / "cut.0001.exr"
+        path.write_bytes(path.read_bytes()[: int(kept * path.stat().st_size)])
+        code, out, _ = swimlab("info", "cut.####.exr")
+        assert code == 2
+        assert "bad frame   cut.0001.exr: is damaged" in out
+        assert "cut.0000.exr: " not in out
+        code, out, _ = swimlab("info", "cut.####.exr", "--json")
+        assert code == 2
+        assert len(json.loads(out)["bad frames"]) == 1
+        code, _, err = swimlab("measure", "--test", "cut.####.exr")
+        assert code == 2
+        assert "cut.0001.exr: is damaged" in err
+        assert "--skip-bad-frames" in err
+
+
+def test_output_is_a_folder_as_of_a_run(swimlab, clips, tmp_path):
+    words = ("measure", "--test", clips / "glued", MOTION, "--reference", clips / "ref", "-q")
+    for folder in ("before", "after.v2"):
+        code, out, _ = swimlab(*words, "-o", folder)
+        assert code == 0
+        assert out.endswith(f"{folder}/scores.json\n")
+        assert (tmp_path / folder / "frames.csv").read_text().startswith("sequence,technique,frame")
+    code, out, _ = swimlab("info", "before")
+    assert code == 0
+    for words_there in ("scores of   glued, test", "1001-1012", "verified by warping"):
+        assert words_there in out
+    assert swimlab("info", "before/scores.json")[1] == out
+    assert "sequences" in json.loads(swimlab("info", "before", "--json")[1])
+    code, out, err = swimlab("compare", "before", "after.v2")
+    assert (code, err) == (0, "")
+    assert "6 same" in out
+    (tmp_path / "file").write_text("")
+    code, _, err = swimlab(*words, "-o", "file")
+    assert code == 2
+    assert "--output file: is a file" in err
+
+
+def test_what_is_not_measured_is_said_with_its_reason(measure):
+    err = measure("glued")[1]
+    assert "no budget: needs a reference" in err
+    assert "no visible: needs --pixels-per-degree" in err
+    assert err.count("no motion given: nothing is taken to move") == 1
+
+
+def test_doubtful_motion_is_said_even_quietly(swimlab, tmp_path):
+    for t in range(6):
+        noise = 3 + np.random.default_rng(t).standard_normal((HEIGHT, WIDTH, 3))
+        path = tmp_path / f"n.{t:04d}.exr"
+        write_channels(path, noise.astype(np.float32), ("R", "G", "B"), half=False, metadata={})
+    code, out, err = swimlab("measure", "--test", "n.####.exr", MOTION, "-q", "--json")
+    assert code == 0
+    assert err.startswith("swimlab: warning: motion not verified")
+    assert err.count("\n") == 1
+    assert any("motion not verified" in note for note in json.loads(out)["sequences"][0]["notes"])

@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from sequences import load
 from swimlab.footage.convention import PRESETS, Convention, guess
 from swimlab.footage.estimate import EstimatedMotion
 from swimlab.footage.motion import FieldMotion, UniformMotion
 from swimlab.footage.source import Box
-from swimlab.footage.verify import GIVEN, IDENTITY, verify
+from swimlab.footage.verify import verify
+from swimlab.footage.warping import GIVEN, IDENTITY
 from swimlab.frames import FrameError
 
 HEIGHT, WIDTH, COUNT = 72, 96, 6
@@ -216,11 +218,99 @@ def test_a_picture_that_stands_still_refuses_motion():
 
 def test_what_cannot_be_verified_says_so():
     flat = verify(UniformMotion(VELOCITY, (HEIGHT, WIDTH)), lambda t: np.ones((HEIGHT, WIDTH, 3)), None, [0, 1, 2])
-    assert "flat" in flat.lines()[0]
-    still = verify(UniformMotion((0.0, 0.0), (HEIGHT, WIDTH)), shifted, None, list(range(COUNT)))
-    assert "travels by 0 px" in still.lines()[0]
-    flat.check()
-    still.check()
+    assert "flat" in flat.doubt
+    still = check(UniformMotion((0.0, 0.0), (HEIGHT, WIDTH)), lambda t: shifted(0))
+    assert "travels by 0 px" in still.note
+
+
+def test_no_motion_is_refused_where_the_picture_moves():
+    with pytest.raises(FrameError, match=r"optical flow finds a motion that leaves 0\.0"):
+        check(UniformMotion((0.0, 0.0), (HEIGHT, WIDTH)), shifted)
+
+
+UNITS = {
+    "unity": ("own", "in uv, y flipped", "--motion-convention unity"),
+    "ndc": ("unity", "in ndc", "--motion-convention ndc"),
+    "uv": ("ndc", "in uv, y flipped", "--motion-convention uv"),
+    "own": ("unity", "in px, y flipped", "--motion-convention own"),
+}
+
+
+@pytest.mark.parametrize("truth", UNITS)
+def test_another_unit_is_refused_by_the_setting_that_mends_it(truth):
+    """Also where the given reading hardly moves at all, or out of the picture at once."""
+    given, what, setting = UNITS[truth]
+    motion = fields(lambda t: STORED[truth](np.broadcast_to(VELOCITY, (HEIGHT, WIDTH, 2))), PRESETS[given])
+    motion.channels = ("R", "G")
+    with pytest.raises(FrameError, match=rf"{what} leaves 0\.0.* Use {setting}, or"):
+        check(motion, shifted)
+
+
+def test_single_options_mend_what_single_options_made():
+    """A preset would not count beside the options given."""
+    stored = fields(lambda t: STORED["unity"](since_previous(t)), Convention(unit="ndc", scale=(-1, 1)))
+    with pytest.raises(FrameError, match="Use --motion-unit uv --motion-scale 1,-1, or"):
+        check(stored, turned)
+
+
+FACTORS = {
+    "of half the length": (2, 2),
+    "of twice the length": (0.5, 0.5),
+    "in uv": (1 / WIDTH, 1 / HEIGHT),
+    "in ndc, both flipped": (-2 / WIDTH, -2 / HEIGHT),
+}
+
+
+@pytest.mark.parametrize("what", FACTORS)
+def test_another_length_of_one_vector_is_refused(what):
+    x, y = np.multiply(VELOCITY, FACTORS[what])
+    with pytest.raises(FrameError, match=rf"{what} leaves 0\.0.* Use --motion 0\.8,-0\.5, or"):
+        check(UniformMotion((float(x), float(y)), (HEIGHT, WIDTH)), shifted)
+
+
+def test_motion_beyond_belief_is_refused_even_of_flat_pictures():
+    motion = UniformMotion((437.0, 0.0), (HEIGHT, WIDTH))
+    with pytest.raises(FrameError, match=r"moves 437 px a frame in a picture of 96x72 px: is its unit right\? check"):
+        check(motion, lambda t: np.ones((HEIGHT, WIDTH, 3)))
+
+
+def test_other_motion_is_refused_where_frames_are_no_noise():
+    """By the residual alone on a reference; else only where optical flow does far better."""
+    random = np.random.default_rng(1)
+    kx, ky = random.uniform(-1.2, 1.2, (2, 32))
+    phase = random.uniform(0, 6, 32)
+
+    def picture(t):
+        y, x = np.indices((HEIGHT, WIDTH))[..., None] - np.array([-1.5 * t, 2.4 * t])[:, None, None, None]
+        return np.repeat(9 + np.cos(kx * x + ky * y + phase).sum(axis=2)[..., None], 3, axis=2)
+
+    motion = UniformMotion((-3.3, 4.9), (HEIGHT, WIDTH))
+    for clean, why in ((True, "as only a noisy reference would"), (False, "optical flow finds a motion that leaves 0")):
+        with pytest.raises(FrameError, match=f"{why}.* Check its channels, unit and scale, or"):
+            verify(motion, picture, None, list(range(COUNT)), clean=clean).check()
+
+
+@pytest.mark.parametrize("blur", [0, 1, 3, 8])
+@pytest.mark.parametrize("velocity", [VELOCITY, (4.0, 3.0), (2.0, 0.0)])
+def test_noise_refuses_no_motion(blur, velocity):
+    """Of any smoothness: nothing explains it, so nothing is verified, and nothing refused."""
+
+    def noise(t):
+        grey = ndimage.gaussian_filter(np.random.default_rng(t).standard_normal((HEIGHT, WIDTH)), blur, mode="wrap")
+        return np.repeat(3 + grey[..., None] / grey.std(), 3, axis=2)
+
+    checked = check(UniformMotion(velocity, (HEIGHT, WIDTH)), noise)
+    assert "the frames flicker much, or it is wrong" in checked.doubt
+    assert not checked.note
+
+
+@pytest.mark.parametrize(("amount", "said"), [(0.1, "verified"), (0.5, "in part"), (2.0, "flicker much")])
+def test_frames_that_flicker_are_verified_as_far_as_they_can_be(amount, said):
+    def noisy(t):
+        return shifted(t) + amount * np.random.default_rng(t).standard_normal((HEIGHT, WIDTH, 1))
+
+    checked = check(UniformMotion(VELOCITY, (HEIGHT, WIDTH)), noisy)
+    assert said in checked.note + checked.doubt
 
 
 def test_only_covered_pixels_are_compared(tolerance):

@@ -1,5 +1,6 @@
 """The worst frame, the worst region and the picture of it; and the fixture that tests use."""
 
+import json
 import subprocess
 import sys
 
@@ -81,7 +82,19 @@ def test_without_pictures_the_frame_alone_is_named(swimlab, run, tmp_path):
     frame_path(run, "reference", 1).unlink()
     write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
     code, out, _ = swimlab("gate", "gate.toml", "run")
-    assert (code, "worst in frame 1;" in out, (run / "gate").exists()) == (1, True, False)
+    said = "worst in frame 1 (no picture of it: " in " ".join(out.split())
+    assert (code, said, (run / "gate").exists()) == (1, True, False)
+    assert f"{frame_path(run, 'reference', 1).name} is gone);" in out
+
+
+def test_frames_of_ones_own_have_no_picture(swimlab, run, tmp_path):
+    content = json.loads((run / "scores.json").read_text(encoding="utf-8"))
+    content["provenance"]["settings"] = {"fps": 60.0}
+    (tmp_path / "own.json").write_text(json.dumps(content), encoding="utf-8")
+    write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
+    code, out, _ = swimlab("gate", "gate.toml", "own.json")
+    assert code == 1
+    assert "worst in frame 1 (no picture of it: frames of one's own are not in a run folder);" in out
 
 
 def test_scores_older_than_their_run_are_refused(swimlab, run, tmp_path):

@@ -29,7 +29,8 @@ def test_the_table_goes_to_standard_output(swimlab, failing):
     rows = {words[3]: words[0] for words in map(str.split, out.splitlines()) if len(words) > 3 and words[2] == "tsl"}
     expected = {"mse": "pass", "flicker": "fail", "bias": "unjudged", "detail": "warn"}
     assert rows == {f"budget.{part}": status for part, status in expected.items()}
-    assert "fail: road-shift/tsl budget.flicker: 2 is above 1; worst in frame 1; rule 2" in out
+    why = "2 is above 1; worst in frame 1 (no picture of it: no run folder lies beside the scores); rule 2"
+    assert f"fail: road-shift/tsl budget.flicker: {why}" in out
     assert out.splitlines()[-1] == "gate.toml: FAILED: 1 fail, 1 unjudged, 1 warn, 1 pass"
 
 
@@ -72,6 +73,22 @@ def test_github_gets_summary_and_annotations_unasked(swimlab, failing, tmp_path,
     }
     assert (tmp_path / "summary.md").read_text(encoding="utf-8").startswith("before\n### gate.toml: FAILED")
     assert "::error" not in swimlab("gate", "gate.toml", "run", "--no-annotations")[1]
+
+
+@pytest.mark.parametrize(
+    ("gate", "run", "message"),
+    [
+        ("none.toml", "run", "none.toml: cannot be read"),
+        ("lost.toml", "run", "b.json: cannot be read"),
+        ("gate.toml", "nowhere", "nowhere/scores.json: cannot be read"),
+    ],
+)
+def test_a_gate_that_cannot_run_is_an_error_in_junit(swimlab, failing, tmp_path, gate, run, message):
+    write_gate(tmp_path / "lost.toml", 'metric = "budget.mse"\nmax_increase = 0', baseline='file = "b.json"')
+    assert swimlab("gate", gate, run, "--junit", "new/gate.xml")[0] == 2
+    root = ElementTree.parse(tmp_path / "new" / "gate.xml").getroot()
+    assert (root.get("errors"), root[0].get("name")) == ("1", gate)
+    assert message in root.findall(".//testcase/error")[0].get("message")
 
 
 def test_nothing_but_the_table_unasked_elsewhere(swimlab, failing, tmp_path):

@@ -11,13 +11,16 @@ import pytest
 import swimlab
 from metrics import measure
 from swimlab import catalogue
+from swimlab.cli.dry_run import pictures_there
 from swimlab.footage.convention import PRESETS
 from swimlab.frames import FrameError, frame_path, read_frame
 from swimlab.notebook.picture import INK, OUTSIDE, error_colours, scale_bar
 from swimlab.notebook.scores import Scores
+from swimlab.plan import make_plan
 from swimlab.record import RunError
 from swimlab.report.display import srgb
 from swimlab.run import render_run
+from swimlab.sweep.chunk import cut
 
 FILE = """
 from swimlab.kernels.texture_filter import ISOTROPIC
@@ -40,6 +43,28 @@ def test_importing_swimlab_costs_nothing():
     script = f"import sys, swimlab; print({heavy} & set(sys.modules), *dir(swimlab))"
     said = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True).stdout
     assert said.split() == ["set()", *sorted(swimlab.__all__)]
+
+
+def test_one_technique_needs_no_list(road):
+    one = swimlab.study("road-shift", "pixel-point", size=(32, 18), frames="0", samples=4)
+    assert one.techniques == ("pixel-point", "reference")
+    assert np.array_equal(road.compare("pixel-point").codes, road.compare(["pixel-point"]).codes)
+    assert np.array_equal(road.errors("pixel-point").codes, road.errors(["pixel-point"]).codes)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [({"threads": 0}, "--threads 0: must be at least 1"), ({"domain": "dispaly"}, "choose one of linear, display")],
+)
+def test_what_cannot_be_done_is_said_before_rendering(tmp_path, given, said):
+    with pytest.raises(ValueError, match=said):
+        swimlab.study("road-shift", ["pixel-point"], size=(32, 18), frames="0", output=tmp_path / "run", **given)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_motion_is_two_numbers(road):
+    with pytest.raises(FrameError, match=r"motion \(1, 2, 3\): give \(dx, dy\)"):
+        swimlab.measure_frames(road.folder / "pixel-point", motion=(1, 2, 3))
 
 
 def test_exported_names_are_there():
@@ -68,9 +93,9 @@ def test_tables_show_every_value_and_say_what_is_missing():
     ]
     scores = Scores(entries)
     assert repr(scores).splitlines() == [
-        "technique  rms error  visible",
-        "a<b            0.200    2.000",
-        "c              0.300        -",
+        "technique  rms error  visible flicker",
+        "a<b            0.200            2.000",
+        "c              0.300                -",
     ]
     html = scores._repr_html_()
     assert "a&lt;b" in html
@@ -179,10 +204,10 @@ def test_frames_of_ones_own(road):
     own = swimlab.measure_frames(test, reference=reference, motion=(23 / 32, 19 / 32), alpha="mask")
     shown = own.scores["test"]
     assert shown["rms error"] == road.scores["pixel-point"]["rms error"]
-    assert any("motion verified by warping" in note for note in own.notes)
+    assert any("residuals: as given" in note for note in own.notes)
     assert own.curves
-    assert "motion verified" in repr(own)
-    assert "motion verified" in own._repr_html_()
+    assert "residuals: as given" in repr(own)
+    assert "residuals: as given" in own._repr_html_()
     with pytest.raises(FrameError, match="convention 'unty': there are own, blender, unity"):
         swimlab.measure_frames(test, motion=road.folder / "geometry", convention="unty")
     with pytest.raises(FrameError, match="does not fit the frames"):
@@ -210,6 +235,46 @@ def test_techniques_are_found_in_a_folder_of_ones_own(folder, road, tmp_path_fac
     output = tmp_path_factory.mktemp("own")
     study = swimlab.study("road-shift", ["own-one", "pixel-trilinear"], size=(32, 18), frames="0", output=output)
     assert np.array_equal(study.frame("own-one"), study.frame("pixel-trilinear"))
+
+
+def test_edited_code_renders_its_own_pictures_anew_and_no_others(folder, tmp_path_factory):
+    file, output = folder / "own_one.py", tmp_path_factory.mktemp("own")
+    text = FILE.format(name="own-one", summary="a")
+
+    def rendered(code, names=("own-one", "pixel-trilinear")):
+        file.write_text(code, encoding="utf-8")
+        swimlab.add_techniques(folder)
+        plan = make_plan("road-shift", [*names, "reference"], size=(32, 18), frames="0", samples=4)
+        there = pictures_there(plan, output, force=False)
+        record = render_run(plan, output)
+        return there, record, {n: frame_path(output, n, 0).stat().st_mtime_ns for n in (*names, "geometry")}
+
+    _, first, before = rendered(text)
+    there, same, after = rendered(text)
+    assert (there, same.hash, after) == (3, first.hash, before)
+    there, other, after = rendered(text.replace("ISOTROPIC", "FINEST"))
+    assert (there, other.hash) == (2, first.hash)
+    assert {name for name in after if after[name] != before[name]} == {"own-one"}
+    own, given = (read_frame(frame_path(output, name, 0)) for name in ("own-one", "pixel-trilinear"))
+    assert not np.array_equal(own, given)
+    # A run without it does not care, and keeps its pictures.
+    there, _, same = rendered(text, ["pixel-trilinear"])
+    assert (there, same) == (2, {name: after[name] for name in same})
+    assert frame_path(output, "own-one", 0).stat().st_mtime_ns == after["own-one"]
+
+
+def test_edited_code_makes_other_chunks_of_a_sweep(folder):
+    file = folder / "own_one.py"
+    text = FILE.format(name="own-one", summary="a")
+
+    def chunks(code):
+        file.write_text(code, encoding="utf-8")
+        swimlab.add_techniques(folder)
+        names = ["own-one", "pixel-point", "reference"]
+        return {name: part.digest for name, (part,) in cut(make_plan("road-shift", names, frames="0"), 1).items()}
+
+    before, after = chunks(text), chunks(text.replace("ISOTROPIC", "FINEST"))
+    assert {name for name in before if before[name] != after[name]} == {"own-one"}
 
 
 def test_commands_find_them_too(folder, monkeypatch):

@@ -48,7 +48,7 @@ def page(report: Path) -> Iterator[Page]:
 
 def test_a_mark_is_read_by_touch_mouse_and_keys(page: Page) -> None:
     says = page.locator(f"{SPEED} .says")
-    page.locator(f"{SPEED} circle").first.tap()
+    page.locator(f"{SPEED} .dot").first.tap()
     assert says.inner_text() == "pixel-point: 0.2 at 12.5, on the front"
     page.locator(f"{SPEED} svg").first.focus()
     page.keyboard.press("ArrowRight")
@@ -95,6 +95,21 @@ def test_one_technique_has_its_maps_shown(page: Page) -> None:
         page.select_option("select.technique", name)
         shown = parts.evaluate_all("all => all.filter((one) => one.offsetHeight).map((one) => one.dataset.technique)")
         assert shown == [name]
+
+
+def test_swatches_are_dashed_as_the_lines_are(page: Page) -> None:
+    """In tables, cards and keys: the dash of every line of a technique is that of all its swatches."""
+    dashes = page.evaluate("""() => {
+        const found = {};
+        const all = (selector) => [...document.querySelectorAll(selector)];
+        const add = (name, path) => (found[name] ??= new Set()).add(
+          `${path.getAttribute('stroke')} ${path.getAttribute('stroke-dasharray') ?? ''}`);
+        const named = all('#scores tbody th, .chosen, figure:has(.line) .key button');
+        for (const one of named) add(one.textContent.trim(), one.querySelector('path'));
+        for (const line of all('path.line')) add(line.parentElement.dataset.name, line);
+        return Object.fromEntries(Object.entries(found).map(([name, inks]) => [name, inks.size]));
+    }""")
+    assert dashes["tsl"] == dashes["pixel-point"] == 1
 
 
 def test_nothing_is_wider_than_a_phone(page: Page) -> None:

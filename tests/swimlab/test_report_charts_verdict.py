@@ -32,8 +32,8 @@ def test_it_picks_the_nearest_the_fastest_and_the_least_product() -> None:
     assert picked(told) == {BEST: "vmf", NEAREST: "tsl", FASTEST: "pixel-point"}
     assert told.picks[0].title == BEST
     assert told.lead.startswith("vmf is the best for its time: rms error 0.12 in 4.5 ms a frame")
-    assert "1.12 times pixel-aniso's time for 0.4 of its error" in told.lead
-    assert "tsl is 2.4 times nearer to the truth in 22.2 times its time" in told.lead
+    assert "4.5 ms a frame, 60% less error than pixel-aniso in 1.12 times its time." in told.lead
+    assert told.lead.endswith("tsl has 83% less error than pixel-aniso in 25 times its time.")
     assert dict(told.picks[0].facts) == {
         "rms error": "0.12",
         "rms flicker": "0.08",
@@ -79,16 +79,66 @@ def test_what_is_not_resolved_is_said_so(error: float, resolved: bool) -> None:
     told = verdict(two, {"road-shift": {"lean": 5.0, "vmf": 4.0}})
     assert picked(told) == {BEST: "vmf", NEAREST: "lean", FASTEST: "vmf"}
     notes = " ".join(note for pick in told.picks for note in pick.notes)
-    assert ("not resolved from that of lean" in notes) != resolved
-    assert ("Of these vmf took less time" in notes) != resolved
-    assert ("lean is" in told.lead) == resolved
-    assert ("more than the standard errors leave open" in told.lead) != resolved
+    assert ("not resolved from that of lean, which took longer" in notes) != resolved
+    assert ("not resolved from that of vmf, in less time: the cheaper choice" in notes) != resolved
+    assert ("lean has 0.5% less error than vmf in 1.25 times its time" in told.lead) == resolved
+    assert ("lean measured slightly nearer on this clip; other content may differ" in told.lead) != resolved
+
+
+def test_no_lead_contradicts_a_card() -> None:
+    """Without standard errors nothing is resolved, yet a card shows an error 1.9 times smaller."""
+    two = [entry("tsl", 0.05, 0.03) | {"errors": {}}, entry("vmf", 0.095, 0.03) | {"errors": {}}]
+    told = verdict(two, {"road-shift": {"vmf": 4.5, "tsl": 100.0}})
+    assert picked(told)[BEST] == "vmf"
+    assert told.lead.endswith("tsl measured 1.9 times nearer on this clip; other content may differ.")
+    assert verdict(entries(vmf=0.01), {"road-shift": TIMES}).lead.endswith("Nothing here measured nearer to the truth.")
+
+
+def test_what_is_as_good_and_as_fast_may_be_taken_as_well() -> None:
+    three = [entry(name, rms, 0.05, error=1e-2) for name, rms in (("lean", 0.1), ("vmf", 0.101), ("toksvig", 0.102))]
+    times = {"lean": 5.1, "vmf": 5.0, "toksvig": 5.2}
+    notes = verdict(three, {"road-shift": times}).picks[0].notes
+    assert notes == [
+        "lean and toksvig are as good, and as fast within what times may be off by (10%): any of them will do."
+    ]
+    two = verdict(three[:2], {"road-shift": times})
+    assert "either will do" in two.picks[0].notes[0]
+
+
+def test_other_settings_under_one_name_are_not_pooled_silently() -> None:
+    both = [*entries(sequence="a"), *entries(sequence="b")]
+    times = dict.fromkeys("ab", TIMES)
+    same, other = {"tsl": {"size": 256, "texels": "all"}}, {"tsl": {"size": 512, "texels": "all"}}
+    assert verdict(both, times, {"a": same, "b": same}).warnings == verdict(both, times).warnings
+    first = verdict(both, times, {"a": same, "b": other}).warnings[0]
+    assert first.startswith("tsl has not the same settings")
+    assert "(size 256 on a, 512 on b)" in first
+    assert "texels" not in first
+
+
+def test_errors_are_told_apart_by_their_means_over_sequences() -> None:
+    """On b alone the difference is within two standard errors; over both it is nearly four wide."""
+    told = verdict(
+        [
+            *(entry(name, rms, 0.05, sequence="a", error=1e-5) for name, rms in (("lean", 0.1), ("vmf", 0.12))),
+            *(entry(name, rms, 0.05, sequence="b", error=1e-3) for name, rms in (("lean", 0.1), ("vmf", 0.105))),
+        ],
+        {sequence: {"lean": 5.0, "vmf": 4.5} for sequence in "ab"},
+    )
+    assert "not resolved" not in str(told.picks)
+
+
+def test_what_times_of_one_run_cannot_tell_apart_is_named() -> None:
+    times = {"road-shift": TIMES | {"tsl": 11.0}}
+    (note,) = verdict(entries(), times).picks[0].notes
+    assert note == "By the same rule within 10%, which times of one run may be off by: tsl."
+    assert verdict(entries(), {"road-shift": TIMES}).picks[0].notes == []
 
 
 def test_equal_techniques_do_not_beat_each_other() -> None:
     told = verdict([entry("a", 0.1, 0.1), entry("b", 0.1, 0.1)], {"road-shift": {"a": 1.0, "b": 1.0}})
     assert picked(told) == {BEST: "a", NEAREST: "a", FASTEST: "a"}
-    assert "not resolved from that of b" in " ".join(told.picks[0].notes)
+    assert "b is as good, and as fast" in " ".join(told.picks[0].notes)
 
 
 def test_sequences_that_disagree_are_told() -> None:

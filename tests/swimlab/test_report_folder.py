@@ -76,3 +76,23 @@ def test_a_missing_frame_leaves_the_old_folder_alone(tmp_path: Path) -> None:
         write_report_folder([run], make_scores(), tmp_path / "report")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report", "run"]
     assert {path: path.read_bytes() for path in (tmp_path / "report").rglob("*") if path.is_file()} == before
+
+
+def test_runs_keep_the_order_given_or_that_of_the_study(tmp_path: Path) -> None:
+    for name in "abc":
+        run = make_run(tmp_path / name, sequence=name)
+        scores = make_scores(sequence=name) | {"provenance": {"hash": name}}
+        (run / "scores.json").write_text(json.dumps(scores), encoding="utf-8")
+    page = tmp_path / "page.html"
+
+    def order() -> list[str]:
+        return re.findall("<h3>([abc])</h3>", page.read_text(encoding="utf-8").split('id="scores"')[1])[:3]
+
+    report_command(tmp_path / "b", tmp_path / "a", output=page)
+    assert order()[:2] == ["b", "a"]
+    report_command(tmp_path, output=page)
+    assert order() == ["a", "b", "c"]
+    joined = {"version": 1, "provenance": {}, "sequences": [{"sequence": name} for name in "cab"]}
+    (tmp_path / "scores.json").write_text(json.dumps(joined), encoding="utf-8")
+    report_command(tmp_path, output=page)
+    assert order() == ["c", "a", "b"]

@@ -177,3 +177,13 @@ def test_contact_sheet_refuses_what_was_not_rendered(
     with pytest.raises(ReportError, match=message):
         write_contact_sheet(run, tmp_path / "sheet.png", techniques=techniques, frames=frames)
     assert not (tmp_path / "sheet.png").exists()
+
+
+def test_two_runs_of_one_sequence_are_refused(run: Path, tmp_path: Path) -> None:
+    """Their scores would be one table, and the verdict would weigh the last of them only."""
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.json").write_bytes((run / "run.json").read_bytes())
+    with pytest.raises(ReportError, match=r"other: holds road-shift, as .* does; .*swimlab compare"):
+        write_report([run, other], make_scores(), tmp_path / "report.html")
+    assert not (tmp_path / "report.html").exists()

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from swimlab.columns import COLUMNS, HIGHER, marked, roots
 from swimlab.report.charts import Axis, Bar, Line, line_chart, number, stacked_bars, ticks
 from swimlab.report.clips import outwards
 from swimlab.report.display import ERROR_RANGE, ERROR_STEPS, UNMEASURED, error_codes, srgb, webp
@@ -123,6 +124,24 @@ def test_table_marks_best_and_worst_but_never_the_reference() -> None:
     assert [cells[column].mark for _, cells in table.rows] == ["", "worst", "best", ""]
 
 
+def test_terminal_and_report_have_the_same_heads() -> None:
+    scores = {name: 0.1 for name, _ in COLUMNS.values()}
+    table = score_table([{**entry("a"), "scores": scores}], {})
+    heads = [heading for heading, _ in table.headings]
+    assert [head for head in heads if "share" not in head] == [marked(heading) for heading in COLUMNS]
+    for heading in ("on plane", "JOD"):
+        assert marked(heading).endswith(HIGHER)
+    assert marked("rms error") == "rms error"
+    assert "rms error of budget.mse" in roots(list(COLUMNS))
+    assert "on plane" not in roots(list(COLUMNS))
+    assert roots(["on plane"]) == ""
+
+
+def test_marks_of_one_colour_differ_in_shape_and_dash() -> None:
+    chosen = [ink for name, ink in inks([f"technique-{n}" for n in range(18)]).items() if name != "reference"]
+    assert len({(ink.colour, ink.mark(0, 0, 4)) for ink in chosen}) == len({*chosen}) == 18
+
+
 def test_table_tells_why_a_score_is_missing() -> None:
     with_floor, without = entry("a", bias=0.04), entry("b", bias=0.04)
     with_floor["scores"]["budget.floor"] = 1e-4
@@ -130,7 +149,7 @@ def test_table_tells_why_a_score_is_missing() -> None:
     for item in (with_floor, without):
         item["absent"]["plane.on"] = "not uniform"
     table = score_table([with_floor, without], {})
-    column = [heading for heading, _ in table.headings].index("± floor")
+    column = [heading for heading, _ in table.headings].index("floor\N{NO-BREAK SPACE}·")
     assert table.rows[1][1][column] == ("—", "", "one half only")
     assert table.missing == [("on plane", "not uniform")]
 

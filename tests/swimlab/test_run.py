@@ -1,6 +1,7 @@
 """Run folders: resumed, refused, forced, interrupted."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from sequences import Sequence, load
 from swimlab.frames import FrameError, frame_path, read_frame
+from swimlab.measure import measure_run
 from swimlab.plan import Plan, check_samples, parse_frames
 from swimlab.record import Record, RunError
 from swimlab.run import check_complete, render_run
@@ -88,6 +90,30 @@ def test_a_run_holds_what_the_contract_says(whole, sequence):
     assert set(record["reference_rms_error"]) == {"0", "1", "2"}
     assert all(error > 0 for error in record["reference_rms_error"].values())
     assert read_frame(frame_path(whole, "pixel-point", 0)).shape == (16, 24, 4)
+
+
+@pytest.mark.parametrize(("half", "kind"), [(True, oiio.HALF), (False, oiio.FLOAT)])
+def test_the_stated_error_has_the_digits_of_the_pictures(sequence, tmp_path, half, kind):
+    render_run(plan_of(sequence, techniques=("reference",), frames=(0,), half=half), tmp_path)
+    for folder in ("reference", "error"):
+        source = oiio.ImageInput.open(str(frame_path(tmp_path, folder, 0)))
+        assert source.spec().format == kind
+        source.close()
+
+
+def test_halves_of_the_stated_error_leave_the_floor_as_it_is(tmp_path, tolerance):
+    """So a run that was rendered when it was floats reads the same."""
+    road = load("road-shift").with_changes(size=(160, 90))
+    plan = Plan(road, ("pixel-point", "reference"), (0, 1), samples=4)
+    render_run(plan, tmp_path / "half")
+    render_run(replace(plan, half=False), tmp_path / "float")
+    shutil.copytree(tmp_path / "half", tmp_path / "before")
+    shutil.rmtree(tmp_path / "before" / "error")
+    shutil.copytree(tmp_path / "float" / "error", tmp_path / "before" / "error")
+    (now,), (before,) = (measure_run(tmp_path / name)["sequences"] for name in ("half", "before"))
+    floor, as_floats = (entry["scores"]["budget.floor"] for entry in (now, before))
+    assert floor == pytest.approx(as_floats, rel=tolerance("floor of halves"))
+    assert floor != as_floats
 
 
 def test_a_second_run_renders_only_what_is_missing(sequence, tmp_path):

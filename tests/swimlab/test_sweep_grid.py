@@ -34,8 +34,8 @@ BAD = {
     "an unknown varied key": (PLAIN + '[grid]\n"scene.son.elevation" = [1.0]', "scene.son: unknown key"),
     "a bad varied value": (PLAIN + '[grid]\n"techniques.tsl.size" = [64, 100]', "techniques.tsl.size: must be a power"),
     "a key of no table": (PLAIN + '[grid]\n"frames.first" = [1]', "frames.first: frames is not a table"),
-    "frames beyond the last": (PLAIN + 'frames = "0-99"', "s: frames 0-99: the sequence has frames 0-31"),
-    "samples that are no square": (PLAIN + "samples = 5", "s: samples 5: must be a square number"),
+    "frames beyond the last": (PLAIN + 'frames = "0-99"', "s.toml: frames 0-99: the sequence has frames 0-31"),
+    "samples that are no square": (PLAIN + "samples = 5", "s.toml: samples 5: must be a square number"),
 }
 
 
@@ -50,11 +50,15 @@ def test_bad_files_are_refused_by_key(swimlab, tmp_path, what):
 
 
 def test_every_mistake_is_named_at_once(tmp_path):
-    text = PLAIN.replace('"tsl"', '"tls"') + '[grid]\nname = ["a"]\n"camera.fov" = [1, 1]\n'
+    text = PLAIN.replace('"tsl"', '"tls"') + '[grid]\nname = ["a"]\n"camera.fov" = [1, 1]\n"scene.son.x" = [1]\n'
     (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     with pytest.raises(SweepError) as error:
-        load_sweep(tmp_path / "s.toml")
-    assert len(str(error.value).splitlines()) == 3
+        configurations(load_sweep(tmp_path / "s.toml"))
+    lines = str(error.value).splitlines()
+    assert len(lines) == 4
+    for line, key in zip(lines, ("techniques", "'name'", "'camera.fov'", "scene.son"), strict=True):
+        assert line.startswith(f"{tmp_path / 's.toml'}: ")
+        assert key in line
     (tmp_path / "s.toml").write_text(PLAIN + '[grid]\n"camera.fov" = [-1, 500]\n"fps" = [-1]\n', encoding="utf-8")
     with pytest.raises(SweepError) as error:
         configurations(load_sweep(tmp_path / "s.toml"))

@@ -149,7 +149,7 @@ def test_a_resumed_run_has_the_bits_of_one_go(monkeypatch, tmp_path, maps):
     def small(sequence, launcher, *, twisted):
         return Material(launcher, Maps(maps[..., :3], maps[..., 3:6], maps[..., 6:8]))
 
-    monkeypatch.setattr("swimlab.run.load_material", small)
+    monkeypatch.setattr("swimlab.renderer.load_material", small)
     sequence = SHIFT.with_changes(frames=5, techniques={"taa": {"preroll": 3}}, size=(24, 70))
     frames = range(5)
 

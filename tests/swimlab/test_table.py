@@ -138,6 +138,12 @@ def test_queries_that_read_are_answered(ask, query):
     assert ask(query)
 
 
+def test_a_query_may_be_longer_than_a_file_name(swimlab, tmp_path):
+    write_run(tmp_path / "run")
+    query = f"SELECT 1 AS one WHERE {' AND '.join(100 * ['1 = 1'])}"
+    assert swimlab("table", "run", query, "--csv", "-q")[:2] == (0, "one\n1\n")
+
+
 def test_without_a_query_the_tables_are_listed(swimlab, tmp_path):
     write_run(tmp_path / "run")
     code, out, _ = swimlab("table", "run")

@@ -47,7 +47,7 @@ function options(select, names) {
 function chooseClip(index) {
   state.clip = index;
   const names = clip().techniques;
-  if (!names.includes(state.a)) state.a = names.includes("tsl") ? "tsl" : names[0];
+  if (!names.includes(state.a)) state.a = [data.pick, "tsl", names[0]].find((name) => names.includes(name));
   if (!names.includes(state.b)) state.b = hasReference() ? data.reference : names[names.length - 1];
   state.frame = Math.min(state.frame, clip().frames.length - 1);
   state.fps = clip().fps;
@@ -84,6 +84,7 @@ function readAddress() {
     const n = parseFloat(view.get(key));
     if (Number.isFinite(n)) state[name] = Math.min(high, Math.max(low, n));
   };
+  if (!view.has("clip") && !state.a) state.clip = data.first;
   value("clip", 0, data.clips.length - 1);
   chooseClip(Math.floor(state.clip));
   for (const key of ["a", "b"]) if (clip().techniques.includes(view.get(key))) state[key] = view.get(key);

@@ -146,10 +146,10 @@ function onKey(event) {
 }
 
 function listen() {
-  let byPointer = false; // after a choice by mouse or finger, keys are for the viewer again
-  document.addEventListener("pointerdown", () => { byPointer = true; }, true);
-  document.addEventListener("keydown", () => { byPointer = false; }, true);
-  const leave = (control) => { if (byPointer) control.blur(); };
+  let typedInto = null; // after a choice by other than keys, keys are for the viewer again
+  document.addEventListener("pointerdown", () => { typedInto = null; }, true);
+  document.addEventListener("keydown", (event) => { typedInto = event.target; }, true);
+  const leave = (control) => { if (typedInto !== control) control.blur(); };
 
   const chosen = (choose) => ({ target }) => {
     state.message = "";
@@ -157,7 +157,10 @@ function listen() {
     leave(target);
     changed();
   };
-  element("clip").onchange = chosen((value) => chooseClip(Number(value)));
+  element("clip").onchange = chosen((value) => {
+    chooseClip(Number(value));
+    screen.scrollIntoView({ block: "nearest" }); // all of it: the upper part of a whole picture is often sky
+  });
   for (const letter of ["a", "b"]) element(letter).onchange = chosen((value) => chooseTechnique(letter, value));
   element("frame").oninput = chosen((value) => { state.frame = Number(value); });
   element("fps").onchange = chosen((value) => {

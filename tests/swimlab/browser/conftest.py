@@ -20,9 +20,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def scores() -> dict[str, Any]:
-    """As of `make_scores`, with an error that is greatest in frame WORST."""
+    """As of `make_scores`, with an error that is greatest in frame WORST, and tsl the technique to pick."""
     made = make_scores()
     for entry in made["sequences"]:
+        entry["scores"]["budget.mse"] /= 4 if entry["technique"] == "tsl" else 1
         for row in entry["frames"]:
             row["mse"] = 0.04 if row["frame"] == WORST else 0.01
     return made

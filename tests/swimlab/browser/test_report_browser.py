@@ -178,3 +178,22 @@ def test_zoom_and_drag_move_the_picture(
     assert place_of(page, (20, 20)) == pytest.approx(np.add(before, [30, 12]), abs=tolerance("a CSS pixel"))
     page.keyboard.press("Shift+ArrowRight")
     assert place_of(page, (20, 20))[0] == pytest.approx(before[0] + 30 - 48, abs=tolerance("a CSS pixel"))
+
+
+def test_after_a_choice_from_a_list_keys_are_for_the_viewer(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report)
+    page.keyboard.press("ArrowRight")
+    for letter in "ab":
+        page.locator(f"#{letter}").focus()
+        page.select_option(f"#{letter}", "tsl")
+        assert page.evaluate("document.activeElement.tagName") == "BODY"
+        page.keyboard.press("p")
+        assert page.evaluate("[state.playing, state.a]") == [True, "tsl"]
+        page.keyboard.press("p")
+
+
+def test_after_a_choice_by_key_the_list_keeps_the_focus(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report)
+    page.locator("#a").focus()
+    page.keyboard.press("r")
+    assert page.evaluate("[state.a, document.activeElement.id]") == ["reference", "a"]

@@ -1,5 +1,6 @@
 """The report in a headless Chromium: links, motion, phone, colour schemes and the report in a folder."""
 
+import copy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,39 @@ def test_the_address_restores_the_view(visit: Callable[..., Page], report: str) 
     assert np.abs(canvas(again) - canvas(page)).mean() < 2  # positions are kept to 1/10000 of the picture
 
 
+def test_a_fresh_view_is_the_pick_in_a_moving_detail(
+    visit: Callable[..., Page], run: Path, scores: dict[str, Any]
+) -> None:
+    """The whole pictures come first in the list, but here there is one frame of them."""
+    told = copy.deepcopy(scores)
+    (point,) = (entry for entry in told["sequences"] if entry["technique"] == "pixel-point")
+    point["scores"]["budget.mse"] /= 16
+    write_report([run], told, run / "picked.html", picture_budget=580_000)
+    page = visit((run / "picked.html").as_uri())
+    assert page.evaluate("[clip().name.includes('detail'), clip().frames.length > 1]") == [True, True]
+    assert page.evaluate("[state.clip, state.a, state.b]") == [1, "pixel-point", "reference"]
+    page.keyboard.press("p")
+    assert page.evaluate("state.playing")
+    deep = visit((run / "picked.html").as_uri() + "#clip=0&a=tsl&b=pixel-point&frame=5")
+    assert deep.evaluate("[state.clip, state.a, state.b]") == [0, "tsl", "pixel-point"]
+
+
+def test_a_clip_that_is_chosen_is_seen_whole(visit: Callable[..., Page], run: Path, scores: dict[str, Any]) -> None:
+    """Also from the first screen, of which the viewer has the lower edge."""
+    write_report([run], scores, run / "small.html", picture_budget=580_000)
+    page = visit((run / "small.html").as_uri(), viewport={"width": 1400, "height": 900})
+    page.evaluate("window.scrollTo(0, 0)")
+    page.select_option("#clip", "0")
+    settle(page)
+    box, bar = page.locator("#screen").bounding_box(), page.locator(".bar").bounding_box()
+    assert box
+    assert bar
+    assert box["y"] >= 0
+    assert box["y"] + box["height"] <= bar["y"] + 1
+    at = page.evaluate("layout()")
+    assert at["height"] * at["scale"] <= box["height"] + 1
+
+
 def test_a_bad_address_shows_the_first_view(visit: Callable[..., Page], report: str) -> None:
     page = visit(report + "#clip=9&a=nobody&frame=77&heat=8&ev=-99&zoom=nan&x=4")
     assert page.evaluate("[state.clip, state.a, state.frame, state.heat, state.exposure, state.zoom, state.x]") == [
@@ -80,7 +114,7 @@ def test_frames_are_scrubbed(visit: Callable[..., Page], report: str, run: Path)
 
 def test_worst_of_all_goes_to_another_clip(visit: Callable[..., Page], run: Path, scores: dict[str, Any]) -> None:
     write_report([run], scores, run / "small.html", picture_budget=580_000)
-    page = visit((run / "small.html").as_uri())
+    page = visit((run / "small.html").as_uri() + "#clip=0")
     clips = page.evaluate("data.clips.map((item) => item.frames)")
     assert clips[0] == [FRAMES - 1]
     assert WORST in clips[1]

@@ -1,0 +1,100 @@
+"""What motion may have been meant as: every reading of the same numbers, and the setting that chooses it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import get_args
+
+from swimlab.footage.convention import PRESETS, Convention, Direction, Unit
+
+_FLIPS = {"": (1, 1), "x flipped": (-1, 1), "y flipped": (1, -1), "both flipped": (-1, -1)}
+_LENGTHS = {"of half the length": 0.5, "of twice the length": 2.0}
+
+
+def other_conventions(
+    now: Convention, channels: tuple[str, str], size: tuple[int, int]
+) -> dict[str, tuple[Convention, str]]:
+    """Name -> another convention and the options that choose it; none that means the same comes twice.
+
+    channels: those that are read. size: width and height of the picture, px.
+    """
+    found: dict[str, tuple[Convention, str]] = {}
+    known = {_meaning(now, size)}
+    for name, other in _others(now):
+        if _meaning(other, size) not in known:
+            known.add(_meaning(other, size))
+            found[name] = other, _setting(now, other, channels)
+    return found
+
+
+def other_velocities(
+    velocity: tuple[float, float], size: tuple[int, int]
+) -> dict[str, tuple[tuple[float, float], str]]:
+    """Name -> another velocity, px a frame, that (dx, dy) may stand for, and the option that gives it."""
+    found: dict[str, tuple[tuple[float, float], str]] = {}
+    known = {velocity}
+    for name, other in _others(Convention()):
+        x, y = (float(part * factor) for part, factor in zip(velocity, other.factors(size), strict=True))
+        if (x, y) not in known:
+            known.add((x, y))
+            found[name] = (x, y), f"--motion {x:g},{y:g}"
+    return found
+
+
+def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
+    """Other signs, directions, units and lengths, those first that change least."""
+    units: list[Unit] = sorted(get_args(Unit), key=lambda unit: unit != now.unit)
+    directions: list[Direction] = sorted(get_args(Direction), key=lambda direction: direction != now.direction)
+    for unit in units:
+        for direction in directions:
+            for flip in _FLIPS:
+                named = (
+                    f"in {unit}" if unit != now.unit else "",
+                    direction if direction != now.direction else "",
+                    flip,
+                )
+                yield ", ".join(filter(None, named)), replace(_flipped(now, flip), unit=unit, direction=direction)
+    for length, factor in _LENGTHS.items():
+        for flip in _FLIPS:
+            other = _flipped(now, flip)
+            scale = (other.scale[0] * factor, other.scale[1] * factor)
+            yield ", ".join(filter(None, (length, flip))), replace(other, scale=scale)
+
+
+def _flipped(now: Convention, flip: str) -> Convention:
+    if flip == "y flipped":
+        return replace(now, y="up" if now.y == "down" else "down")
+    x, y = _FLIPS[flip]
+    return replace(now, scale=(x * now.scale[0], y * now.scale[1]))
+
+
+def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float, float]:
+    x, y = convention.factors(size)
+    return convention.direction, float(x), float(y)
+
+
+def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> str:
+    """A preset where the unit is another and no single option is set that would overrule it; else single options."""
+    if other.unit != now.unit and any(_same(now, preset) for preset in PRESETS.values()):
+        for name, preset in PRESETS.items():
+            if _same(other, preset) and any(_ends(channels, pair) for pair in preset.channels):
+                return f"--motion-convention {name.removesuffix('-forward')}"
+    options = []
+    if other.unit != now.unit:
+        options.append(f"--motion-unit {other.unit}")
+    if other.direction != now.direction:
+        options.append(f"--motion-direction {other.direction}")
+    if other.y != now.y:
+        options.append(f"--motion-y {other.y}")
+    if other.scale != now.scale:
+        options.append("--motion-scale {:g},{:g}".format(*other.scale))
+    return " ".join(options)
+
+
+def _same(convention: Convention, preset: Convention) -> bool:
+    """Whether the two mean the same, whatever the size of the picture."""
+    return all(_meaning(convention, size) == _meaning(preset, size) for size in ((3, 5), (5, 7)))
+
+
+def _ends(channels: tuple[str, str], pair: tuple[str, str]) -> bool:
+    """Whether channels are a pair, by itself or in a layer."""
+    return all(channel == name or channel.endswith(f".{name}") for channel, name in zip(channels, pair, strict=True))
