@@ -75,8 +75,8 @@ road.errors(zoom=2)
 road.scores
 
 # %% [markdown]
-# The values are rms errors of linear radiance, except `visible flicker`, which counts thresholds of the eye. The parts add
-# up as squares, exactly: error² = bias² + detail² + flicker².
+# The values are rms errors of linear radiance, except `visible flicker`, which counts thresholds of the eye. The
+# parts add up as squares, exactly: error² = bias² + detail² + flicker².
 #
 # - **bias**: the mean of a neighbourhood is off. It stays, and it is calm.
 # - **detail**: a pattern is lost or false, and glued to the road.
