@@ -90,7 +90,7 @@ def rivals(best: Tested, tested: Sequence[Tested], close: Sequence[Tested]) -> l
     notes += about(best, [t for t in close if t not in same])
     if rest:
         notes.append(
-            f"By the same rule within {AS_GOOD - 1:.0%}, which times of one run may be off by: {names_of(rest)}."
+            f"Within {AS_GOOD - 1:.0%} by the same rule, no more than times of one run may be off by: {names_of(rest)}."
         )
     return notes
 

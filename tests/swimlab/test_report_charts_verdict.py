@@ -131,7 +131,7 @@ def test_errors_are_told_apart_by_their_means_over_sequences() -> None:
 def test_what_times_of_one_run_cannot_tell_apart_is_named() -> None:
     times = {"road-shift": TIMES | {"tsl": 11.0}}
     (note,) = verdict(entries(), times).picks[0].notes
-    assert note == "By the same rule within 10%, which times of one run may be off by: tsl."
+    assert note == "Within 10% by the same rule, no more than times of one run may be off by: tsl."
     assert verdict(entries(), {"road-shift": TIMES}).picks[0].notes == []
 
 
