@@ -91,10 +91,13 @@ def print_scores_of(path: Path) -> None:
     from swimlab.gate.measured import read_content, read_entries, scores_path
 
     content = read_content(scores_path(path))
+    measured: dict[tuple[str, str, str], list[str]] = {}
     for entry in read_entries(path):
-        print(f"scores of   {entry.sequence}, {entry.technique}: {len(entry.scores)}")
-        print(f"frames      {entry.settings.extent}")
-        print(f"domain      {entry.settings.domain}")
+        settings = entry.settings
+        measured.setdefault((entry.sequence, settings.extent, settings.domain), []).append(entry.technique)
+    for (sequence, extent, domain), techniques in measured.items():
+        frames = extent if extent.endswith("scales") else f"frames {extent}"
+        print(f"scores of   {sequence}, {frames}, {domain}: {', '.join(techniques)}")
     for key, value in content["provenance"].items():
         if key != "domain" and not isinstance(value, dict):
             print(f"{key:<11} {value}")
