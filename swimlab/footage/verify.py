@@ -3,8 +3,9 @@
 For a few pairs of frames the later one is compared with the earlier one taken from where the motion says; so for every
 other sign, direction, unit and length, and for no motion at all. Residuals are rms differences, but for the tenth of
 the points that differ most, since what comes into view was nowhere before; over those of points paired at random: 0 for
-a perfect match, 1 for pictures that have nothing to do with each other. Frames of which no motion explains much may be
-noise: then motion is refused only where optical flow explains far more.
+a perfect match, 1 for pictures that have nothing to do with each other. Frames of which no reading explains much may be
+noise, or a pattern that swims, which is what there is to measure: then the motion is refused only where it is a
+reference that optical flow explains far better, since references follow their surface.
 """
 
 from collections.abc import Callable
@@ -86,7 +87,7 @@ def verify(
     """Compare frames under every reading of the motion, each so far apart that it moves far enough.
 
     picture: index -> [H, W, 3] radiance, of the reference where there is one. coverage: index -> [H, W], compared where
-    it is 1. frames: the indices that are measured, in order. clean: the pictures are free of noise, as references are.
+    it is 1. frames: the indices that are measured, in order. clean: pictures follow their surface, as references do.
     """
     shape = picture(frames[0]).shape[:2]
     variants = motion.variants()
@@ -115,7 +116,7 @@ def verify(
         return Verification(residuals, doubt="the picture is flat, or leaves the frame under this motion")
     given = residuals[GIVEN]
     if given > POOR:
-        return _judge_poor(residuals, {} if clean else _against_flow(motion, picture, coverage, frames), clean=clean)
+        return _judge_poor(residuals, _against_flow(motion, picture, coverage, frames), clean=clean)
     if paces[GIVEN].travel < LEAST:
         short = f"the picture travels by {paces[GIVEN].travel:.2g} px in {apart} frames only"
         return Verification(residuals, note=f"motion not verified: {short}, while {given:.3f} of it changes")
@@ -159,19 +160,18 @@ def _against_flow(
 
 
 def _judge_poor(residuals: dict[str, float], flow: dict[str, Rival], *, clean: bool) -> Verification:
-    """Refuse motion that explains little, unless the frames may be noise, which no motion explains."""
-    left = f"{residuals[GIVEN]:.3f} of the change between frames"
-    if clean:
-        found = f"leaves {left}, as only a noisy reference would"
-    elif FLOWING in flow and flow[FLOWING].ratio < FLOW:
-        found = f"leaves {left}, while optical flow finds a motion that leaves {flow[FLOWING].residual:.3f}"
-    else:
+    """Refuse motion that explains little of a reference, where there is motion that does; else doubt it."""
+    left = f"leaves {residuals[GIVEN]:.3f} of the change between frames"
+    if FLOWING not in flow or flow[FLOWING].ratio >= FLOW:
         best = min(residuals, key=lambda name: residuals[name])
         least = f"(least: {best} {residuals[best]:.3f})"
         return Verification(
-            residuals, doubt=f"it leaves {left}, as all readings do {least}: the frames flicker much, or it is wrong"
+            residuals, doubt=f"it {left}, as all readings do {least}: the frames flicker much, or it is wrong"
         )
-    return Verification(residuals, error=f"does not fit the frames: it {found}. Check its channels, unit and scale")
+    found = f"{left}, while optical flow finds a motion that leaves {flow[FLOWING].residual:.3f}"
+    if clean:
+        return Verification(residuals, error=f"does not fit the frames: it {found}. Check its channels, unit and scale")
+    return Verification(residuals, doubt=f"it {found}: the pattern swims, or the motion is wrong")
 
 
 def _worth_naming(residuals: dict[str, float]) -> list[str]:

@@ -275,7 +275,7 @@ def test_output_is_a_folder_as_of_a_run(swimlab, clips, tmp_path):
         assert (tmp_path / folder / "frames.csv").read_text().startswith("sequence,technique,frame")
     code, out, _ = swimlab("info", "before")
     assert code == 0
-    for words_there in ("scores of   glued, test", "1001-1012", "verified by warping"):
+    for words_there in ("scores of   glued, frames 1001-1012, linear: test", "verified by warping"):
         assert words_there in out
     assert swimlab("info", "before/scores.json")[1] == out
     assert "sequences" in json.loads(swimlab("info", "before", "--json")[1])
