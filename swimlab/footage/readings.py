@@ -33,7 +33,7 @@ def other_velocities(
     found: dict[str, tuple[tuple[float, float], str]] = {}
     known = {velocity}
     for name, other in _others(Convention()):
-        x, y = (float(part * factor) for part, factor in zip(velocity, other.factors(size), strict=True))
+        x, y = (part * float(factor) for part, factor in zip(velocity, other.factors(size), strict=True))
         if (x, y) not in known:
             known.add((x, y))
             found[name] = (x, y), f"--motion {x:g},{y:g}"

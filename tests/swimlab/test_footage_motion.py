@@ -216,6 +216,13 @@ def test_a_picture_that_stands_still_refuses_motion():
         check(UniformMotion(VELOCITY, (HEIGHT, WIDTH)), lambda t: shifted(0))
 
 
+@pytest.mark.parametrize("velocity", [VELOCITY, (0.61, 0.43), (-1.3, 0.85)])
+def test_no_reading_is_the_given_one(velocity):
+    others = UniformMotion(velocity, (HEIGHT, WIDTH)).variants()
+    assert "" not in others
+    assert velocity not in [other.velocity for _, other in others.values()]
+
+
 def test_what_cannot_be_verified_says_so():
     flat = verify(UniformMotion(VELOCITY, (HEIGHT, WIDTH)), lambda t: np.ones((HEIGHT, WIDTH, 3)), None, [0, 1, 2])
     assert "flat" in flat.doubt
