@@ -1,6 +1,5 @@
 """Sequence files: from TOML, and as a JSON schema for editors."""
 
-import tomllib
 from collections.abc import Mapping
 from copy import deepcopy
 from importlib.resources import files
@@ -13,6 +12,7 @@ from pydantic.json_schema import models_json_schema
 from .problems import SequenceError, describe, hint
 from .scene import Material
 from .sequence import Sequence
+from .toml_file import TomlError, read_toml
 
 Settings = Mapping[str, type[BaseModel]]
 
@@ -86,15 +86,11 @@ def _find(name_or_path: str | Path) -> Path:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    known = f" (the library has {', '.join(library())})"
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise SequenceError([f"{path}: not TOML: {error} (text needs quotes, a table is a [name] line)"]) from None
-    except UnicodeDecodeError as error:
-        raise SequenceError([f"{path}: not UTF-8 text: {error.reason} at byte {error.start}"]) from None
-    except OSError as error:
-        names = ", ".join(library())
-        raise SequenceError([f"{path}: cannot be read: {error.strerror} (the library has {names})"]) from None
+        return read_toml(path, syntax="text needs quotes, a table is a [name] line", unreadable=known)
+    except TomlError as error:
+        raise SequenceError([str(error)]) from None
 
 
 def _change(data: dict[str, Any], dotted: str, value: Any, path: Path) -> None:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
-import cv2
 import numpy as np
 import warp as wp
 
@@ -17,6 +16,7 @@ from swimlab.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.launch import Launcher
 from swimlab.material import load_material
 from swimlab.plan import Plan
+from swimlab.png import png
 from swimlab.record import RunError
 from swimlab.shot import Shot
 from swimlab.target import Lighting, Need, Screen
@@ -54,7 +54,7 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
         both = np.concatenate([bumps[::-1, :, :3], light[::-1, :, :3]], axis=1)
         codes = np.rint(255 * np.sqrt(np.clip(both, 0, 1))).astype(np.uint8)
         with replacing(path.with_suffix(".png")) as temporary:
-            temporary.write_bytes(cv2.imencode(".png", np.ascontiguousarray(codes[..., ::-1]))[1].tobytes())
+            temporary.write_bytes(png(codes))
         written.append(path)
     return written
 

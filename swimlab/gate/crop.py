@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from swimlab.files import replacing
 from swimlab.frames import read_frame
+from swimlab.png import png
 from swimlab.report.contact import GAP, PAPER, write
 from swimlab.report.display import COVERED, ERROR_RANGE, Picture, srgb
 
@@ -46,8 +46,7 @@ def write_crop(path: Path, test: Path, reference: Path, region: Region) -> None:
         f"error +-{ERROR_RANGE:g}": error,
     }
     with replacing(path) as temporary:
-        _, encoded = cv2.imencode(".png", np.ascontiguousarray(_sheet(panels)[..., ::-1]))
-        temporary.write_bytes(encoded.tobytes())
+        temporary.write_bytes(png(_sheet(panels)))
 
 
 def _sheet(panels: dict[str, Picture]) -> Picture:

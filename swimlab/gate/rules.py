@@ -1,7 +1,6 @@
 """Gate files: which scores of which clips are held to what."""
 
 import reprlib
-import tomllib
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -10,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, PrivateA
 
 from sequences.problems import hint
 from sequences.table import Real, Table
+from sequences.toml_file import TomlError, read_toml
 
 Level = Literal["off", "warn", "error"]
 Cell = tuple[str, str, str]
@@ -141,13 +141,9 @@ class Gate(Table):
 def load_gate(path: Path) -> Gate:
     """Read a gate file. Raises GateError with every problem at once, each as `file: key: what (hint)`."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise GateError(f"{path}: not TOML: {error} (text needs quotes, a rule starts with [[rule]])") from None
-    except UnicodeDecodeError as error:
-        raise GateError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
-    except OSError as error:
-        raise GateError(f"{path}: cannot be read: {error.strerror}; name a gate file") from None
+        data = read_toml(path, syntax="text needs quotes, a rule starts with [[rule]]", unreadable="; name a gate file")
+    except TomlError as error:
+        raise GateError(str(error)) from None
     try:
         gate = Gate.model_validate(data)
     except ValidationError as error:

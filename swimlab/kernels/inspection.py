@@ -26,14 +26,21 @@ def surfaces(
     visible: wp.array2d(dtype=wp.int32),
     planes: wp.array(dtype=Planes),
     uv: wp.array2d(dtype=wp.vec2d),
+    dx: wp.array2d(dtype=wp.vec2d),
+    dy: wp.array2d(dtype=wp.vec2d),
     position: wp.array2d(dtype=wp.vec3d),
 ):
-    """Texture coordinates and position relative to the eye of what each sample of a grid sees; 0 where nothing."""
+    """Of what each sample of a grid sees: uv, its derivatives by cell right and down, position relative to the eye.
+
+    All are left as they are where it sees nothing.
+    """
     j, i = wp.tid()
     triangle = visible[j, i]
     if triangle >= 0:
         surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
         uv[j, i] = surface.uv
+        dx[j, i] = surface.dx
+        dy[j, i] = surface.dy
         position[j, i] = surface.position
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from swimlab.files import replacing
 from swimlab.frames import Image
-from swimlab.report.display import COVERED, ERROR_RANGE
+from swimlab.png import png
+from swimlab.report.display import COVERED, ERROR_COLOURS, ERROR_RANGE
 
 Codes = NDArray[np.uint8]
 """[H, W, 3] sRGB codes."""
@@ -25,8 +26,6 @@ INK = (30, 30, 30)
 LETTER = 8
 """Width of a letter of a label, px, about."""
 OUTSIDE = 128
-SCALE = np.array([[5, 48, 97], [67, 147, 195], [247, 247, 247], [214, 96, 77], [103, 0, 31]], np.float64)
-"""Colours of errors from -ERROR_RANGE (blue: too dark) by 0 (white) to ERROR_RANGE (red: too bright), as in reports."""
 
 
 class Picture:
@@ -39,8 +38,7 @@ class Picture:
     @property
     def png(self) -> bytes:
         """The file's bytes."""
-        encoded: NDArray[np.uint8] = cv2.imencode(".png", np.ascontiguousarray(self.codes[..., ::-1]))[1]
-        return encoded.tobytes()
+        return png(self.codes)
 
     def save(self, path: str | Path) -> Path:
         """Write the PNG, whole or not at all."""
@@ -76,8 +74,8 @@ def error_colours(test: Image, reference: Image) -> Codes:
 
 def on_scale(value: NDArray[np.floating]) -> Codes:
     """Colours [..., 3] of values -1..1."""
-    place = (np.asarray(value, np.float64) + 1) / 2 * (len(SCALE) - 1)
-    channels = [np.interp(place, np.arange(len(SCALE)), SCALE[:, channel]) for channel in range(3)]
+    place = (np.asarray(value, np.float64) + 1) / 2 * (len(ERROR_COLOURS) - 1)
+    channels = [np.interp(place, np.arange(len(ERROR_COLOURS)), stops) for stops in zip(*ERROR_COLOURS, strict=True)]
     return np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from swimlab.files import replacing
 from swimlab.frames import Image, frame_path, read_frame
+from swimlab.png import png
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import Picture, srgb
 from swimlab.report.recorded import ReportError, Run, open_run
@@ -47,9 +48,8 @@ def write_contact_sheet(run: Path, destination: Path, *, techniques: Sequence[st
         pictures = [srgb(2.0**stops * read_frame(frame_path(run, name, frame))[..., :3]) for frame in frames]
         for place, cell in enumerate([overview(pictures[0], region), *(enlarge(p, region) for p in pictures)]):
             sheet[top : top + CELL[1], column(place) : column(place) + CELL[0]] = cell
-    _, encoded = cv2.imencode(".png", np.ascontiguousarray(sheet[..., ::-1]), [cv2.IMWRITE_PNG_COMPRESSION, 6])
     with replacing(destination) as temporary:
-        temporary.write_bytes(encoded.tobytes())
+        temporary.write_bytes(png(sheet))
 
 
 def exposure(rgba: Image) -> int:

@@ -18,6 +18,8 @@ Picture = NDArray[np.uint8]
 
 ERROR_RANGE = 0.5
 ERROR_STEPS = 31
+ERROR_COLOURS = ((5, 48, 97), (67, 147, 195), (247, 247, 247), (214, 96, 77), (103, 0, 31))
+"""Colours of errors from -ERROR_RANGE (blue: too dark) by 0 (white) to ERROR_RANGE (red: too bright)."""
 UNMEASURED = 0
 COVERED = 0.999
 

@@ -15,7 +15,7 @@ from swimlab.files import replacing_folder, write_text
 from swimlab.record import REFERENCE
 from swimlab.report.bundle import PAGE, refuse_strange_folder, write_pictures
 from swimlab.report.clips import BUDGET, Clip, choose_clips
-from swimlab.report.display import ERROR_RANGE, ERROR_STEPS
+from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
 from swimlab.report.palette import Ink, inks
@@ -111,7 +111,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
 def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]], pick: str) -> str:
     """What the viewer needs, as JSON that may stand inside a script element. pick: the technique to show first."""
     content = {
-        "error": {"range": ERROR_RANGE, "steps": ERROR_STEPS},
+        "error": {"range": ERROR_RANGE, "steps": ERROR_STEPS, "colours": ERROR_COLOURS},
         "first": _first(clips),
         "pick": pick,
         "reference": REFERENCE,

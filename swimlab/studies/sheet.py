@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from swimlab.frames import Image
+from swimlab.png import png
 from swimlab.report.clips import Region
 from swimlab.report.contact import CELL, ENLARGED, GAP, HEADER, PAPER, column, enlarge, exposure, write
 from swimlab.report.display import srgb
@@ -38,8 +39,7 @@ def contact_sheet(pictures: Mapping[str, Sequence[Image]], depth: Image) -> byte
         for place, (_, frame, region) in enumerate(columns):
             cell = enlarge(coded[label][frame], region)
             sheet[top : top + CELL[1], column(place) : column(place) + CELL[0]] = cell
-    _, encoded = cv2.imencode(".png", np.ascontiguousarray(sheet[..., ::-1]), [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    return encoded.tobytes()
+    return png(sheet)
 
 
 def _detail(spread: Image) -> Region:

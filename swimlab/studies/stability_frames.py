@@ -212,8 +212,9 @@ def looked_at(shot: Shot) -> tuple[NDArray[np.bool_], Doubles, Doubles]:
     launcher, grid = shot.launcher, shot.grid()
     size = (grid.height, grid.width)
     visible = visibility(launcher, shot.triangles, grid, Strip(0, grid.height))
-    uv, position = launcher.zeros(size, wp.vec2d), launcher.zeros(size, wp.vec3d)
-    launcher.launch(surfaces, size, [grid, visible, shot.triangles.planes, uv, position])
+    uv, dx, dy = (launcher.zeros(size, wp.vec2d) for _ in range(3))
+    position = launcher.zeros(size, wp.vec3d)
+    launcher.launch(surfaces, size, [grid, visible, shot.triangles.planes, uv, dx, dy, position])
     return visible.numpy() >= 0, uv.numpy(), position.numpy()
 
 

@@ -58,8 +58,9 @@ def _strip(launcher: Launcher, width: float) -> Slivers:
     grid.origin, grid.pitch, grid.width, grid.height = wp.vec2d(0.0, 0.0), wp.vec2d(1.0, 1.0), SIDE, SIDE
     ready = set_up(launcher, points, mesh, np.arange(len(triangles)))
     visible = visibility(launcher, ready, grid, Strip(0, SIDE))
-    found, place = launcher.zeros((SIDE, SIDE), wp.vec2d), launcher.zeros((SIDE, SIDE), wp.vec3d)
-    launcher.launch(surfaces, (SIDE, SIDE), [grid, visible, ready.planes, found, place])
+    found, dx, dy = (launcher.zeros((SIDE, SIDE), wp.vec2d) for _ in range(3))
+    place = launcher.zeros((SIDE, SIDE), wp.vec3d)
+    launcher.launch(surfaces, (SIDE, SIDE), [grid, visible, ready.planes, found, dx, dy, place])
     hit = visible.numpy() >= 0
     row, column = np.mgrid[:SIDE, :SIDE] + 0.5
     inside = (column > x[0]) & (column < x[-1]) & (row > TOP) & (row < BOTTOM)

@@ -1,6 +1,5 @@
 """Sweep files: what is varied, and over which sequences and techniques."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -9,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError
 from sequences.problems import describe, hint
 from sequences.sequence import Side
 from sequences.table import Table, Whole
+from sequences.toml_file import TomlError, read_toml
 from swimlab.catalogue import techniques
 from swimlab.measure import Domain
 from swimlab.record import REFERENCE
@@ -52,13 +52,9 @@ class Sweep(Table):
 def load_sweep(path: Path) -> Sweep:
     """Read a sweep file. Raises SweepError with every problem of its form, each as `file: key: what (hint)`."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise SweepError(f"{path}: not TOML: {error} (text and dotted keys need quotes)") from None
-    except UnicodeDecodeError as error:
-        raise SweepError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
-    except OSError as error:
-        raise SweepError(f"{path}: cannot be read: {error.strerror}; name a sweep file") from None
+        data = read_toml(path, syntax="text and dotted keys need quotes", unreadable="; name a sweep file")
+    except TomlError as error:
+        raise SweepError(str(error)) from None
     try:
         sweep = Sweep.model_validate(data)
     except ValidationError as error:

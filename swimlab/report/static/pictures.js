@@ -4,7 +4,7 @@
 
 const data = JSON.parse(document.getElementById("pictures").textContent);
 
-const STOPS = [[5, 48, 97], [67, 147, 195], [247, 247, 247], [214, 96, 77], [103, 0, 31]];
+const STOPS = data.error.colours;
 const TOO_DARK = [70, 160, 255], TOO_BRIGHT = [255, 84, 40];
 const OUTSIDE = [128, 128, 128];
 const DIMMED = 0.55;

@@ -1,0 +1,25 @@
+"""Reading a TOML file, with errors that name it and say how to mend it."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+
+class TomlError(ValueError):
+    """A file that cannot be read as TOML; the message names it and says why."""
+
+
+def read_toml(path: Path, *, syntax: str, unreadable: str) -> dict[str, Any]:
+    """The content of a TOML file.
+
+    syntax: what is often forgotten in such a file. unreadable: what follows the reason where it cannot be opened.
+    Raises TomlError.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise TomlError(f"{path}: not TOML: {error} ({syntax})") from None
+    except UnicodeDecodeError as error:
+        raise TomlError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
+    except OSError as error:
+        raise TomlError(f"{path}: cannot be read: {error.strerror}{unreadable}") from None
