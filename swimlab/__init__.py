@@ -10,16 +10,17 @@ frames of your own, and `add_techniques` finds techniques in a folder of your ow
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from swimlab.catalogue import add_techniques
     from swimlab.notebook.footage import measure_frames
     from swimlab.notebook.study import open_run as open
     from swimlab.notebook.study import study
+    from swimlab.render.catalogue import add_techniques
+    from swimlab.runs.provenance import SWIMLAB as __version__  # noqa: N811
 
-__version__ = "0.1.0"
 __all__ = ["__version__", "add_techniques", "measure_frames", "open", "study"]
 
 _HOMES = {
-    "add_techniques": ("swimlab.catalogue", "add_techniques"),
+    "__version__": ("swimlab.runs.provenance", "SWIMLAB"),
+    "add_techniques": ("swimlab.render.catalogue", "add_techniques"),
     "measure_frames": ("swimlab.notebook.footage", "measure_frames"),
     "open": ("swimlab.notebook.study", "open_run"),
     "study": ("swimlab.notebook.study", "study"),

@@ -11,7 +11,7 @@ import pytest
 
 if TYPE_CHECKING:
     from swimlab.gate.outcome import Outcome
-    from swimlab.measure import Domain
+    from swimlab.scoring.measure import Domain
 
 
 class CheckGate(Protocol):
@@ -61,6 +61,7 @@ def swimlab_gate(request: pytest.FixtureRequest, tmp_path: Path) -> CheckGate:
         from swimlab.gate.check import gate_runs, render_and_measure
         from swimlab.gate.rules import GateError
         from swimlab.gate.table import table_text
+        from swimlab.runs.record import RunError
 
         run = beside(what)
         try:
@@ -77,7 +78,7 @@ def swimlab_gate(request: pytest.FixtureRequest, tmp_path: Path) -> CheckGate:
                     domain=domain,
                 )
             outcome = gate_runs(beside(gate), [run])
-        except GateError as error:
+        except (GateError, RunError) as error:
             pytest.fail(f"{error}\n{_renew(beside(gate), run)}", pytrace=False)
         if outcome.exit_code:
             pytest.fail(f"{table_text(outcome)}{_renew(beside(gate), run)}", pytrace=False)

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 import warp as wp
 
-from swimlab.catalogue import brdfs
-from swimlab.launch import Launcher
+from metrics.kernels.launch import Launcher
+from swimlab.render.catalogue import brdfs
 
 
 @functools.cache

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import warp as wp
 
-from swimlab.kernels.inspection import surfaces
-from swimlab.kernels.structs import Grid
-from swimlab.launch import Launcher, Strip
-from swimlab.triangles import Triangles, visibility
+from metrics.kernels.launch import Launcher, Strip
+from swimlab.render.kernels.inspection import surfaces
+from swimlab.render.kernels.structs import Grid
+from swimlab.render.triangles import Triangles, visibility
 
 
 class Seen(NamedTuple):

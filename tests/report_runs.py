@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from swimlab.frames import frame_path, write_frame
+from swimlab.runs.frames import frame_path, write_frame
 
 SIZE = (160, 96)
 FRAMES = 6

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import warp as wp
 
-from swimlab.kernels.shading import power_of_cosine
-from swimlab.launch import Launcher
-from swimlab.texture import MipChain
+from metrics.kernels.launch import Launcher
+from swimlab.render.kernels.shading import power_of_cosine
+from swimlab.render.texture import MipChain
 
 SIDE = 64
 SIGMA = 0.05

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from playwright.sync_api import Page
 
-from swimlab.frames import Image, frame_path, read_frame
 from swimlab.report.display import ERROR_STEPS, error_codes, srgb
+from swimlab.runs.frames import Image, frame_path, read_frame
 
 PIXEL = (60, 40)
 LAPTOP = {"viewport": {"width": 1000, "height": 900}}

@@ -24,7 +24,7 @@ import numpy as np
 
 import sequences
 import swimlab
-from swimlab.frames import FrameError, frame_path, read_frame, read_geometry, write_channels
+from swimlab.runs.frames import FrameError, frame_path, read_frame, read_geometry, write_channels
 
 # %% [markdown]
 # ## The engine's part

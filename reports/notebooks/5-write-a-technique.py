@@ -39,12 +39,12 @@ from typing import Any
 import warp as wp
 from pydantic import Field
 
-from swimlab.kernels.footprint import isotropic_level
-from swimlab.kernels.sampling import anisotropic
-from swimlab.kernels.structs import Chain, Surface
-from swimlab.kernels.texture_filter import TextureFilter
-from swimlab.settings import Settings
-from swimlab.technique import Technique, pixel_shading
+from swimlab.render.kernels.footprint import isotropic_level
+from swimlab.render.kernels.sampling import anisotropic
+from swimlab.render.kernels.structs import Chain, Surface
+from swimlab.render.kernels.texture_filter import TextureFilter
+from swimlab.render.settings import Settings
+from swimlab.render.technique import Technique, pixel_shading
 
 
 class GlossFadeSettings(Settings):
@@ -81,7 +81,7 @@ swimlab.add_techniques(folder)
 # %% [markdown]
 # That is all. It is a technique like any other now: checked settings, resumable runs, every measure, the report.
 # After a change of the file, `add_techniques` reads it anew. From a shell: `SWIMLAB_TECHNIQUES=folder swimlab study
-# road-shift -t gloss-fade,tsl`. To give it to everybody, put the file into `swimlab/techniques/`, where the
+# road-shift -t gloss-fade,tsl`. To give it to everybody, put the file into `swimlab/render/techniques/`, where the
 # conformance tests find it.
 
 # %%

@@ -13,7 +13,7 @@ import moderngl as gl
 import numpy as np
 from road import Contender, Image, Road
 
-from swimlab.mesh import scene_mesh
+from swimlab.render.mesh import scene_mesh
 
 NEAR = 0.01
 TARGET = 1024

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.kernels.launch import Launcher
 from sequences import Sequence, load
-from swimlab.catalogue import model_of
-from swimlab.geometry import describe_geometry
-from swimlab.inputs import BOX
-from swimlab.launch import Launcher
-from swimlab.material import load_material
-from swimlab.shot import Shot
-from swimlab.technique import render_samples
-from swimlab.triangles import screen_projection
+from swimlab.render.catalogue import model_of
+from swimlab.render.geometry import describe_geometry
+from swimlab.render.inputs import BOX
+from swimlab.render.material import load_material
+from swimlab.render.shot import Shot
+from swimlab.render.technique import render_samples
+from swimlab.render.triangles import screen_projection
 
 Image = NDArray[np.float32]
 
@@ -87,7 +87,7 @@ class Road:
 
     def visible_segments(self, frame: int) -> list[int]:
         """Segments of the road that some pixel's centre sees, nearest first."""
-        from swimlab.target import Screen
+        from swimlab.render.target import Screen
 
         return sorted(Screen.of(self.shot(frame), 16).rows)
 
@@ -103,7 +103,7 @@ class Truth:
     @staticmethod
     def of(road: Road, frame: int, *, samples: int = 256) -> "Truth":
         """Render it."""
-        from swimlab.kernels.texture_filter import FINEST
+        from swimlab.render.kernels.texture_filter import FINEST
 
         shot = road.shot(frame)
         picture = render_samples(shot, FINEST, n=int(samples**0.5), jittered=True)

@@ -23,11 +23,11 @@ from typing import Any, NamedTuple
 from road import PITCH, Contender, Road, Truth, road_sequence
 
 import swimlab
-from swimlab.catalogue import techniques
-from swimlab.kernels.texture_filter import FINEST, ISOTROPIC, TextureFilter, anisotropic_to
-from swimlab.launch import Launcher
-from swimlab.shot import Shot
-from swimlab.technique import Picture, render_samples
+from metrics.kernels.launch import Launcher
+from swimlab.render.catalogue import techniques
+from swimlab.render.kernels.texture_filter import FINEST, ISOTROPIC, TextureFilter, anisotropic_to
+from swimlab.render.shot import Shot
+from swimlab.render.technique import Picture, render_samples
 
 PEERS = ("llvmpipe", "numba_road", "road_in_drjit")
 OURS = (

@@ -34,7 +34,7 @@ def baseline_command(
     from swimlab.gate.outcome import update_baseline
     from swimlab.gate.rules import GateError, load_gate
     from swimlab.gate.table import number
-    from swimlab.record import provenance
+    from swimlab.runs.provenance import provenance
 
     command = shlex.join(["swimlab", *sys.argv[1:]])
     try:

@@ -43,8 +43,8 @@ def bench_beyond_the_deck(
 
     from swimlab.cli.options import parse_size
     from swimlab.cli.progress import progress
-    from swimlab.plan import check_samples
-    from swimlab.record import RunError
+    from swimlab.render.plan import check_samples
+    from swimlab.runs.record import RunError
     from swimlab.studies.beyond import NAME, STEPS, Effort, write_report
 
     width, height = parse_size(size)

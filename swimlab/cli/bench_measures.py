@@ -28,10 +28,11 @@ def bench_measures(
     from rich.console import Console
     from rich.table import Table
 
-    from swimlab.bench import MAIN, NAMES, TRANSFORMS, time_measures
     from swimlab.cli.options import parse_size
     from swimlab.cli.progress import progress
-    from swimlab.record import RunError, provenance
+    from swimlab.runs.provenance import provenance
+    from swimlab.runs.record import RunError
+    from swimlab.studies.bench import MAIN, NAMES, TRANSFORMS, time_measures
 
     width, height = parse_size(size)
     if frames < 2 or min(width, height) < 64:

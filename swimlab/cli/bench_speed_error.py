@@ -49,8 +49,8 @@ def bench_speed_error(
 
     from swimlab.cli.options import parse_size
     from swimlab.cli.progress import progress
-    from swimlab.plan import check_samples
-    from swimlab.record import RunError
+    from swimlab.render.plan import check_samples
+    from swimlab.runs.record import RunError
     from swimlab.studies.speed import MOST_SAMPLES
     from swimlab.studies.speed_report import NAME, Effort, steps, write_report
 

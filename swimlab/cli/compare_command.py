@@ -46,7 +46,8 @@ def compare_command(
         Print the comparison as JSON instead of a table.
     """
     from swimlab.compare.pick import Pick
-    from swimlab.record import RunError, provenance
+    from swimlab.runs.provenance import provenance
+    from swimlab.runs.record import RunError
 
     pick = Pick.of(techniques, metrics)
     if not 0 < sigma < float("inf"):
@@ -56,8 +57,8 @@ def compare_command(
         return _against_history(runs, history, pick, sigma, save=save, json_output=json_output, about=about)
     if save:
         raise RunError("--save: adds to a folder of earlier scores; name it with --history FOLDER")
+    from swimlab.cli.comparison_table import print_comparison
     from swimlab.compare.runs import compare_runs
-    from swimlab.compare.table import print_comparison
 
     comparison = compare_runs(runs, pick=pick, threshold=sigma, provenance=about)
     if json_output:
@@ -77,10 +78,10 @@ def _against_history(
     json_output: bool,
     about: dict[str, Any],
 ) -> int:
+    from swimlab.cli.comparison_table import print_outlook
     from swimlab.compare import history
     from swimlab.compare.commit import commit_of
-    from swimlab.compare.table import print_outlook
-    from swimlab.gate.measured import read_all
+    from swimlab.runs.entries import read_all
 
     outlook = history.look_back(read_all(runs), history.read_history(folder), pick=pick, threshold=sigma)
     saved = history.save(folder, runs, commit_of(Path.cwd()), provenance=about) if save else None

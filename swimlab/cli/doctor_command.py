@@ -48,7 +48,7 @@ def _python() -> str:
 
 @_check("kernel cache")
 def _cache() -> str:
-    from swimlab.launch import start_warp
+    from metrics.kernels.launch import start_warp
 
     return f"{start_warp()} can be written"
 
@@ -57,11 +57,11 @@ def _cache() -> str:
 def _render() -> str:
     import time
 
+    from metrics.kernels.launch import Launcher
     from sequences import load
-    from swimlab.catalogue import model_of, techniques
-    from swimlab.launch import Launcher
-    from swimlab.material import load_material
-    from swimlab.shot import Shot
+    from swimlab.render.catalogue import model_of, techniques
+    from swimlab.render.material import load_material
+    from swimlab.render.shot import Shot
 
     sequence = load("road-shift").with_changes(size=(64, 36))
     technique = techniques()["pixel-aniso"]
@@ -82,7 +82,7 @@ def _files() -> str:
     import numpy as np
     import OpenImageIO as oiio  # noqa: N813
 
-    from swimlab.frames import read_frame, write_frame
+    from swimlab.runs.frames import read_frame, write_frame
 
     picture = np.random.default_rng(0).random((8, 8, 4), np.float32)
     with tempfile.TemporaryDirectory() as folder:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from swimlab.plan import Plan
+    from swimlab.render.plan import Plan
 
 
 def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool, json_output: bool = False) -> None:
@@ -36,8 +36,8 @@ def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool, j
 
 def pictures_there(plan: "Plan", run: Path, *, force: bool) -> int:
     """How many of a plan's pictures need not be rendered. Raises RunError for a run of other settings."""
-    from swimlab.frames import frame_path
-    from swimlab.run import earlier_record, outdated
+    from swimlab.render.run import earlier_record, outdated
+    from swimlab.runs.frames import frame_path
 
     record = None if force else earlier_record(plan, run, force=False)
     if record is None:

@@ -98,7 +98,7 @@ class Footage:
         """What to measure. Raises FrameError for an option that cannot be read."""
         from swimlab.footage.source import Look
         from swimlab.footage.subject import Request
-        from swimlab.frames import FrameError
+        from swimlab.runs.frames import FrameError
 
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
@@ -130,7 +130,7 @@ class Footage:
 
     def _display(self, domain: Literal["linear", "display"]) -> "Display":
         from metrics import Display
-        from swimlab.frames import FrameError
+        from swimlab.runs.frames import FrameError
 
         for option, value in (("--exposure", self.exposure), ("--tone-map", self.tone_map)):
             if value is not None and domain != "display":
@@ -142,7 +142,7 @@ class Footage:
 
     def _convention(self) -> "Convention":
         from swimlab.footage.convention import PRESETS
-        from swimlab.frames import FrameError
+        from swimlab.runs.frames import FrameError
 
         preset = PRESETS[self.motion_convention]
         pairs = preset.channels
@@ -162,7 +162,7 @@ class Footage:
 
 
 def _check_positive(option: str, value: float | None) -> None:
-    from swimlab.frames import FrameError
+    from swimlab.runs.frames import FrameError
 
     if value is not None and not 0 < value < float("inf"):
         raise FrameError(f"{option} {value:g}: must be above 0")
@@ -170,7 +170,7 @@ def _check_positive(option: str, value: float | None) -> None:
 
 def _crop(text: str | None) -> "Box | None":
     from swimlab.footage.source import Box
-    from swimlab.frames import FrameError
+    from swimlab.runs.frames import FrameError
 
     if text is None:
         return None
@@ -184,7 +184,7 @@ def _crop(text: str | None) -> "Box | None":
 def _scale(text: str) -> tuple[float, float]:
     from math import isfinite
 
-    from swimlab.frames import FrameError
+    from swimlab.runs.frames import FrameError
 
     try:
         factors = [float(factor) for factor in text.split(",")]

@@ -37,17 +37,17 @@ class Reports:
 
     def write_error(self, gate: Path, message: str) -> None:
         """Say in the JUnit file, if one is wanted, that the gate could not run: a CI server shows nothing else."""
-        from swimlab.files import write_text
         from swimlab.gate.junit import junit_error
+        from swimlab.runs.files import write_text
 
         if self.junit is not None:
             write_text(self.junit, junit_error(gate, message))
 
     def write(self, outcome: "Outcome") -> None:
         """Write every report that is wanted."""
-        from swimlab.files import write_json, write_text
         from swimlab.gate import github
         from swimlab.gate.junit import junit
+        from swimlab.runs.files import write_json, write_text
 
         if self.json is not None:
             write_json(self.json, outcome.as_json())
@@ -82,7 +82,7 @@ def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, 
     """
     from swimlab.gate.outcome import run_gate
     from swimlab.gate.table import print_table
-    from swimlab.record import provenance
+    from swimlab.runs.provenance import provenance
 
     reports = reports or Reports()
     try:

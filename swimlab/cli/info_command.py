@@ -19,7 +19,7 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
         Print it as JSON, a run folder's run.json in full.
     """
     from swimlab.footage.pattern import holds_frames
-    from swimlab.record import Record
+    from swimlab.runs.record import Record
 
     if json_output:
         content = _as_json(what)
@@ -51,14 +51,14 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
 def _as_json(what: str) -> dict[str, Any]:
     from swimlab.footage.describe import describe
     from swimlab.footage.pattern import holds_frames
-    from swimlab.plan import load_sequence
-    from swimlab.record import Record
+    from swimlab.render.plan import load_sequence
+    from swimlab.runs.record import Record
 
     if holds_frames(what):
         lines, bad = describe(what)
         return {**dict(lines), "bad frames": bad}
     if _holds_scores(Path(what)):
-        from swimlab.gate.measured import read_content, scores_path
+        from swimlab.runs.entries import read_content, scores_path
 
         return read_content(scores_path(Path(what)))
     if not Path(what).is_dir():
@@ -88,7 +88,7 @@ def _holds_scores(path: Path) -> bool:
 
 def print_scores_of(path: Path) -> None:
     """Print of what and under which settings scores were measured, and what a reader should know beside them."""
-    from swimlab.gate.measured import read_content, read_entries, scores_path
+    from swimlab.runs.entries import read_content, read_entries, scores_path
 
     content = read_content(scores_path(path))
     measured: dict[tuple[str, str, str], list[str]] = {}
@@ -108,7 +108,7 @@ def print_scores_of(path: Path) -> None:
 
 def print_sequence(name: str) -> None:
     """Print a sequence with every default filled in, as TOML-like lines of key = value."""
-    from swimlab.plan import load_sequence
+    from swimlab.render.plan import load_sequence
 
     def walk(table: dict[str, object], prefix: str) -> None:
         for key, value in table.items():

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from cyclopts import Parameter
 
-from swimlab.record import RunError
+from swimlab.runs.record import RunError
 
 Kind = Literal["techniques", "sequences", "brdfs", "metrics"]
 
@@ -61,7 +61,7 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
             }
             for name, metric in METRICS.items()
         ]
-    from swimlab.catalogue import brdfs, techniques
+    from swimlab.render.catalogue import brdfs, techniques
 
     entries = techniques() if kind == "techniques" else brdfs()
     return [

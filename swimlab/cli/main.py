@@ -9,8 +9,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cyclopts import App, CycloptsError
 
-from swimlab import __version__
 from swimlab.cli.bench_command import bench_command
+from swimlab.runs.provenance import SWIMLAB
 
 COMMANDS = {
     "demo": "Render, measure and report a small road in under a minute, and say what to look at.",
@@ -33,7 +33,7 @@ COMMANDS = {
 app = App(
     name="swimlab",
     suppress_keyboard_interrupt=False,
-    version=__version__,
+    version=SWIMLAB,
     help="Measure temporal aliasing and swimming: tell a stable error from a flickering one.",
 )
 for _name, _help in COMMANDS.items():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from swimlab.plan import Plan
+    from swimlab.render.plan import Plan
 
 
 @Parameter(name="*")
@@ -52,7 +52,7 @@ class Rendering:
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> "Plan":
         """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
-        from swimlab.plan import check_threads, make_plan
+        from swimlab.render.plan import check_threads, make_plan
 
         check_threads(self.threads)
         return make_plan(
@@ -69,8 +69,8 @@ def technique_names(text: str | None) -> tuple[str, ...]:
     """Techniques from a list with commas, every one for None. Raises RunError naming an unknown one."""
     from difflib import get_close_matches
 
-    from swimlab.catalogue import techniques
-    from swimlab.record import RunError
+    from swimlab.render.catalogue import techniques
+    from swimlab.runs.record import RunError
 
     known = tuple(techniques())
     if text is None:
@@ -91,7 +91,7 @@ def run_folder(name: str) -> Path:
 
 def parse_size(text: str) -> tuple[int, int]:
     """Width and height from WIDTHxHEIGHT. Raises RunError."""
-    from swimlab.record import RunError
+    from swimlab.runs.record import RunError
 
     try:
         width, height = (int(side) for side in text.lower().split("x"))

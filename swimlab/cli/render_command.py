@@ -12,7 +12,7 @@ from swimlab.cli.options import Rendering, run_folder, technique_names
 from swimlab.cli.progress import progress
 
 if TYPE_CHECKING:
-    from swimlab.plan import Plan
+    from swimlab.render.plan import Plan
 
 
 def render_command(
@@ -43,7 +43,7 @@ def render_command(
     plan = rendering.plan(sequence, technique_names(techniques))
     run = output or run_folder(plan.sequence.name)
     if targets:
-        from swimlab.texture_pictures import check_targets
+        from swimlab.render.texture_pictures import check_targets
 
         check_targets(plan)
     if rendering.dry_run:
@@ -57,7 +57,7 @@ def render_command(
 
 
 def _targets_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
-    from swimlab.texture_pictures import write_run_targets
+    from swimlab.render.texture_pictures import write_run_targets
 
     with progress(f"targets of {plan.sequence.name}", len(plan.frames), quiet=rendering.quiet) as advance:
         write_run_targets(
@@ -67,7 +67,7 @@ def _targets_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> Non
 
 def render_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
     """Render a plan, showing how far it is."""
-    from swimlab.run import render_run
+    from swimlab.render.run import render_run
 
     steps = len(plan.frames) * len(plan.techniques)
     quiet, verbose = rendering.quiet, rendering.verbose

@@ -6,7 +6,7 @@ def schema_command() -> int:
     import json
 
     from sequences import schema
-    from swimlab.catalogue import technique_settings
+    from swimlab.render.catalogue import technique_settings
 
     print(json.dumps(schema(technique_settings()), indent=2))
     return 0

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swimlab.selftest import Check
+from swimlab.studies.selftest import Check
 
 
 def selftest_command(
@@ -23,7 +23,7 @@ def selftest_command(
     quiet:
         Show only the checks that are off.
     """
-    from swimlab.selftest import checks
+    from swimlab.studies.selftest import checks
 
     done = list(checks())
     if json_output:

@@ -11,10 +11,10 @@ from swimlab.cli.dry_run import print_plans
 from swimlab.cli.measure_command import measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
-from swimlab.files import write_json
-from swimlab.measure import Domain
-from swimlab.record import REFERENCE, RunError
-from swimlab.results import merge_scores
+from swimlab.runs.files import write_json
+from swimlab.runs.record import REFERENCE, RunError
+from swimlab.runs.results import merge_scores
+from swimlab.scoring.measure import Domain
 
 ROAD = ("road-shift", "road-drive", "road-scale")
 SHEET_FRAMES = 3
@@ -45,7 +45,7 @@ def study_command(
     json_output:
         Print the scores as JSON instead of a table.
     """
-    from swimlab.cli.scores import print_scores
+    from swimlab.cli.score_table import print_scores
     from swimlab.report.contact import write_contact_sheet
     from swimlab.report.page import write_report
 

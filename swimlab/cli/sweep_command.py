@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from swimlab.cli.progress import progress
-from swimlab.record import RunError
+from swimlab.runs.record import RunError
 
 if TYPE_CHECKING:
     from swimlab.sweep.chunk import Chunk
@@ -67,7 +67,7 @@ def sweep_command(
     quiet:
         Show no progress.
     """
-    from swimlab.plan import check_threads
+    from swimlab.render.plan import check_threads
     from swimlab.sweep.file import load_sweep
     from swimlab.sweep.run import Outcome, Work, finish, render_chunks
 
@@ -126,7 +126,7 @@ def _threads(engine: str, scheduler: str | None, threads: int | None) -> int | N
 
 
 def _export(work: "Work", sweep: Path, path: Path) -> int:
-    from swimlab.files import write_json
+    from swimlab.runs.files import write_json
     from swimlab.sweep.openjd import job_template
 
     write_json(path, job_template(work, sweep, path))
@@ -154,9 +154,9 @@ def _say_what_is_to_do(work: "Work", chunks: "Sequence[Chunk]", out: Path, *, js
 
 
 def _print_scores(work: "Work", scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
-    from swimlab.files import write_json
-    from swimlab.results import merge_scores
-    from swimlab.sweep.table import print_sweep
+    from swimlab.cli.sweep_table import print_sweep
+    from swimlab.runs.files import write_json
+    from swimlab.runs.results import merge_scores
 
     merged = merge_scores(scores)
     write_json(out / "scores.json", merged)

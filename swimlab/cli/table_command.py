@@ -41,7 +41,7 @@ def table_command(
     from swimlab.cli.progress import progress
     from swimlab.query.rows import find_runs
     from swimlab.query.store import Store
-    from swimlab.record import RunError
+    from swimlab.runs.record import RunError
 
     if csv + json_output + (parquet is not None) > 1:
         raise RunError("table: give one of --csv, --json and --parquet")
@@ -91,7 +91,7 @@ def _print_table(answer: "Answer") -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from swimlab.terminal import print_whole
+    from swimlab.cli.terminal import print_whole
 
     table = Table(box=box.SIMPLE_HEAD)
     for index, name in enumerate(answer.columns):

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from metrics import METRICS
 from metrics.ratios import difference_error, reference_floor
-from swimlab.gate.measured import Entry, number
+from swimlab.runs.entries import Entry, number
 
 Verdict = Literal["same", "better", "worse", "changed", "unresolved", "unknown", "gone", "new"]
 

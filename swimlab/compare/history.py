@@ -15,9 +15,9 @@ from swimlab.compare.change import SIGMAS, Change, change_in_history
 from swimlab.compare.commit import Commit
 from swimlab.compare.pick import Pick
 from swimlab.compare.runs import tally
-from swimlab.files import write_json
-from swimlab.gate.measured import Entry, Key, number, read_all, read_content, read_entries, scores_path
-from swimlab.record import VERSION, RunError
+from swimlab.runs.entries import Entry, Key, number, read_all, read_content, read_entries, scores_path
+from swimlab.runs.files import write_json
+from swimlab.runs.record import VERSION, RunError
 
 NAME = re.compile(r"(\d{4,})_.+\.json")
 KEPT_CURVES = ("scale",)
@@ -62,7 +62,7 @@ class Outlook:
 
 
 def read_history(folder: Path) -> list[Snapshot]:
-    """What a folder holds, oldest first; nothing where it is not there. Raises GateError naming a damaged file."""
+    """What a folder holds, oldest first; nothing where it is not there. Raises RunError naming a damaged file."""
     return [Snapshot(path, {entry.key: entry for entry in read_entries(path)}) for path in _files(folder)]
 
 
@@ -94,7 +94,7 @@ def save(folder: Path, runs: Sequence[Path], commit: Commit, *, provenance: dict
     """Add the scores of runs to a history and return the file's path; two at a time take two numbers.
 
     Raises RunError for runs of several domains or of other settings of one sequence, which do not go into one file, and
-    for scores without a settings hash, which nothing could be compared with; GateError where scores cannot be read.
+    for scores without a settings hash, which nothing could be compared with; RunError where scores cannot be read.
     """
     content = _content(runs) | {"version": VERSION}
     content["provenance"] |= {**provenance, "commit": vars(commit), "runs": [str(run) for run in runs]}

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from swimlab.gate.measured import Entry
-from swimlab.record import RunError
+from swimlab.runs.entries import Entry
+from swimlab.runs.record import RunError
 
 MAIN = (
     "budget.mse",

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.compare.change import SIGMAS, Change, change, expected_by_chance
-from swimlab.compare.differences import Difference, differences
 from swimlab.compare.pick import Pick
-from swimlab.gate.measured import Entry, Key, read_all
-from swimlab.record import RunError
+from swimlab.runs.differences import Difference, differences
+from swimlab.runs.entries import Entry, Key, read_all
+from swimlab.runs.record import RunError
 
 VERSION = 1
 """Version of the format of a comparison's JSON."""
@@ -65,7 +65,7 @@ def compare_runs(
 
     Runs of other settings may be compared; what differs is said, and their changes are marked. Two that hold one
     sequence each are paired whatever its name. Raises RunError where
-    fewer than two runs are named or they have nothing in common, GateError where scores cannot be read.
+    fewer than two runs are named or they have nothing in common, RunError where scores cannot be read.
     """
     pick = pick or Pick()
     if len(runs) < 2:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from swimlab.footage.header import Header, Part
-from swimlab.frames import FrameError
+from swimlab.runs.frames import FrameError
 
 _COLOUR = (("R", "G", "B"), ("r", "g", "b"), ("red", "green", "blue"))
 _ALPHA = ("A", "a", "alpha")

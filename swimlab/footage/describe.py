@@ -8,7 +8,7 @@ from swimlab.footage.convention import guess
 from swimlab.footage.header import LOSSY, Header
 from swimlab.footage.pattern import frame_range
 from swimlab.footage.reader import open_frames
-from swimlab.frames import FrameError
+from swimlab.runs.frames import FrameError
 
 
 def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swimlab.footage.motion import Motion, Points, sample
-from swimlab.frames import Image
+from swimlab.runs.frames import Image
 
 _BRIGHT = 99.5
 """Percentile of the radiance that becomes white for the estimator, which takes 8-bit codes."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 LOSSY = frozenset({"dwaa", "dwab", "b44", "b44a", "pxr24", "jpeg", "webp", "lossy video"})
 """Compressions that change the pixels."""

@@ -12,7 +12,7 @@ from swimlab.footage.convention import Convention
 from swimlab.footage.reader import Reader
 from swimlab.footage.readings import other_conventions, other_velocities
 from swimlab.footage.source import Box, check_finite
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 Points = NDArray[np.float64]
 

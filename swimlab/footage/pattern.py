@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from swimlab.frames import FrameError
+from swimlab.runs.frames import FrameError
 
 IMAGES = frozenset({".exr", ".png", ".tif", ".tiff", ".hdr", ".dpx", ".jpg", ".jpeg", ".webp", ".tga", ".bmp"})
 VIDEOS = frozenset({".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".nut"})

@@ -9,7 +9,7 @@ from typing import Protocol
 from swimlab.footage.header import Header, find_damage, read_header, read_stored
 from swimlab.footage.pattern import Files, find_files, is_video
 from swimlab.footage.video import VideoReader
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 LEAVE_OUT = "mend the frame, or leave it out with --skip-bad-frames"
 

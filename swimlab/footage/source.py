@@ -12,7 +12,7 @@ from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour
 from swimlab.footage.colour import ColourSpace, decode, quantisation_floor, resolve
 from swimlab.footage.reader import LEAVE_OUT, Reader
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 AlphaUse = Literal["ignore", "mask", "unpremultiply"]
 

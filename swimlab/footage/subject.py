@@ -17,7 +17,7 @@ from swimlab.footage.pattern import frame_range, is_video
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.source import Look, Mask, Source
 from swimlab.footage.verify import verify
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 ESTIMATE = "estimate"
 FPS = 60.0

@@ -17,7 +17,7 @@ import numpy as np
 from swimlab.footage.estimate import EstimatedMotion
 from swimlab.footage.motion import Motion, Points
 from swimlab.footage.warping import GIVEN, IDENTITY, WHOLE, Pair, Rival, grid, residuals_of
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 FLOWING = "optical flow"
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from swimlab.footage.header import Header, Part
 from swimlab.footage.pattern import frame_range, parse_range
-from swimlab.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image
 
 _LOSSLESS = frozenset({"ffv1", "huffyuv", "ffvhuff", "utvideo", "rawvideo", "png", "qtrle", "v210"})
 _CHANNELS = ("R", "G", "B")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from swimlab.footage.motion import Motion, Points
-from swimlab.frames import Image
+from swimlab.runs.frames import Image
 
 GIVEN = "as given"
 IDENTITY = "no motion"

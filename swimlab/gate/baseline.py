@@ -7,11 +7,11 @@ from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any
 
-from swimlab.files import write_json
 from swimlab.gate.comparable import difference, hashed
 from swimlab.gate.lacking import may_lack, rules_off, why_lacking
-from swimlab.gate.measured import Entry, Key, Settings
 from swimlab.gate.rules import Cell, Gate, GateError
+from swimlab.runs.entries import Entry, Key, Settings
+from swimlab.runs.files import write_json
 
 VERSION = 1
 """Version of the format of baseline files."""

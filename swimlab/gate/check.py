@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from swimlab.catalogue import techniques
 from swimlab.gate.outcome import Outcome, run_gate
 from swimlab.gate.rules import GateError
-from swimlab.measure import Domain, measure_run
-from swimlab.plan import make_plan
-from swimlab.record import REFERENCE, provenance
-from swimlab.run import render_run
+from swimlab.render.catalogue import techniques
+from swimlab.render.plan import make_plan
+from swimlab.render.run import render_run
+from swimlab.runs.provenance import provenance
+from swimlab.runs.record import REFERENCE
+from swimlab.scoring.measure import Domain, measure_run
 
 COMMAND = "pytest"
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from swimlab.compare.differences import Difference, settings_of
-from swimlab.gate.measured import Entry, Settings
-from swimlab.record import Record
+from swimlab.runs.differences import Difference, settings_of
+from swimlab.runs.entries import Entry, Settings
+from swimlab.runs.record import Record
 
 LISTED = 6
 """Differences that are listed; of more, how many there are."""

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from swimlab.files import replacing
-from swimlab.frames import read_frame
-from swimlab.png import png
 from swimlab.report.contact import GAP, PAPER, write
 from swimlab.report.display import COVERED, ERROR_RANGE, Picture, srgb
+from swimlab.runs.files import replacing
+from swimlab.runs.frames import read_frame
+from swimlab.runs.png import png
 
 Region = tuple[int, int, int, int]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swimlab.gate.measured import Entry
-from swimlab.record import REFERENCE, Record
+from swimlab.runs.entries import Entry
+from swimlab.runs.record import REFERENCE, Record
 
 CHANGES = {"flicker", "plane", "residual", "visible"}
 """Words in the names of scores that are about change in time; all others are about the error itself."""
@@ -46,7 +46,7 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
         own = "settings" in entry.provenance
         why = "frames of one's own are not in a run folder" if own else "no run folder lies beside the scores"
         return Evidence(frame, lacking=why)
-    from swimlab.frames import frame_path
+    from swimlab.runs.frames import frame_path
 
     test, reference = (frame_path(entry.folder, name, frame) for name in (entry.technique, REFERENCE))
     gone = [path for path in (test, reference) if not path.is_file()]

@@ -11,8 +11,8 @@ from swimlab.gate.baseline import Baseline, Known
 from swimlab.gate.comparable import difference
 from swimlab.gate.evidence import Evidence
 from swimlab.gate.lacking import may_lack, why_lacking
-from swimlab.gate.measured import Entry, Key
 from swimlab.gate.rules import Cell, Gate, Rule
+from swimlab.runs.entries import Entry, Key
 
 Status = Literal["pass", "warn", "fail", "unjudged"]
 MENDED = "`swimlab compare` shows what that costs; renew the baseline if it is meant"

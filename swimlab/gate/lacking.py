@@ -6,8 +6,8 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from metrics import METRICS
-from swimlab.gate.measured import Entry
 from swimlab.gate.rules import Cell
+from swimlab.runs.entries import Entry
 
 
 def may_lack(metric: str, entry: Entry) -> bool:

@@ -9,8 +9,8 @@ from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
 from swimlab.gate.judge import Check, Status, exit_code, governed, judge
 from swimlab.gate.lacking import rules_off
-from swimlab.gate.measured import Entry, read_all, read_entries
 from swimlab.gate.rules import GateError, load_gate
+from swimlab.runs.entries import Entry, read_all, read_entries
 
 VERSION = 1
 """Version of the format of a gate's JSON."""

@@ -7,11 +7,11 @@ from typing import Any
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.colour import ColourSpace
 from swimlab.footage.convention import PRESETS, Convention
-from swimlab.footage.measure import measure_subject
 from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.footage.subject import Request, Subject
-from swimlab.frames import FrameError
 from swimlab.notebook.scores import Scores
+from swimlab.runs.frames import FrameError
+from swimlab.scoring.footage import measure_subject
 
 Name = str | PathLike[str]
 """A pattern with #### or %04d, a folder, a file or a video."""

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.files import replacing
-from swimlab.frames import Image
-from swimlab.png import png
 from swimlab.report.display import COVERED, ERROR_COLOURS, ERROR_RANGE
+from swimlab.runs.files import replacing
+from swimlab.runs.frames import Image
+from swimlab.runs.png import png
 
 Codes = NDArray[np.uint8]
 """[H, W, 3] sRGB codes."""

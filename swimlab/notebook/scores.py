@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from swimlab.columns import COLUMNS
-from swimlab.resolution import LEGEND, MARK, unresolved
+from swimlab.runs.columns import COLUMNS
+from swimlab.scoring.resolution import LEGEND, MARK, unresolved
 
 Row = dict[str, float]
 

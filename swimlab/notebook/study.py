@@ -13,17 +13,17 @@ import numpy as np
 import sequences
 from metrics import Clip
 from metrics.display import Domain
-from swimlab.frames import Image, frame_path, read_frame
-from swimlab.measure import measure_run, read_clip
 from swimlab.notebook.picture import GAP, Codes, Panel, Picture, enlarge, error_colours, scale_bar, sheet
 from swimlab.notebook.scores import Scores
-from swimlab.plan import check_threads, make_plan
-from swimlab.record import REFERENCE, Record, RunError
+from swimlab.render.plan import check_threads, make_plan
+from swimlab.render.run import render_run
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
 from swimlab.report.recorded import open_run as open_recorded
-from swimlab.results import read_scores, run_folders
-from swimlab.run import render_run
+from swimlab.runs.frames import Image, frame_path, read_frame
+from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.runs.results import read_scores, run_folders
+from swimlab.scoring.measure import measure_run, read_clip
 
 SCALE_BAR = 160
 """Least width of the printed scale of errors, px."""

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from metrics import METRICS
-from swimlab.gate.measured import Entry, number, read_entries
-from swimlab.record import Record, RunError
+from swimlab.runs.entries import Entry, number, read_entries
+from swimlab.runs.record import Record, RunError
 
 Row = tuple[Any, ...]
 
@@ -81,8 +81,8 @@ def find_runs(words: Iterable[Path]) -> list[Path]:
 def rows_of(run: Path) -> dict[str, list[Row]]:
     """A run's rows of every table, columns in the order of COLUMNS.
 
-    A run that was not measured has no scores and frames; a file of scores, no times. Raises RunError and GateError
-    where the folder's files are damaged.
+    A run that was not measured has no scores and frames; a file of scores, no times. Raises RunError where the
+    folder's files are damaged.
     """
     name = str(run)
     if run.is_file():

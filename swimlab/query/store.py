@@ -7,9 +7,9 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swimlab.files import replacing
 from swimlab.query.rows import COLUMNS, Row, rows_of
-from swimlab.record import RunError
+from swimlab.runs.files import replacing
+from swimlab.runs.record import RunError
 
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection

@@ -8,10 +8,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from swimlab.frames import Image, frame_path, read_frame
-from swimlab.record import REFERENCE
 from swimlab.report.display import error_codes, srgb, webp
 from swimlab.report.recorded import Run
+from swimlab.runs.frames import Image, frame_path, read_frame
+from swimlab.runs.record import REFERENCE
 
 BUDGET = 18_500_000
 DETAIL_SIZE = (96, 64)

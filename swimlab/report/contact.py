@@ -6,12 +6,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from swimlab.files import replacing
-from swimlab.frames import Image, frame_path, read_frame
-from swimlab.png import png
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import Picture, srgb
 from swimlab.report.recorded import ReportError, Run, open_run
+from swimlab.runs.files import replacing
+from swimlab.runs.frames import Image, frame_path, read_frame
+from swimlab.runs.png import png
 
 CELL = (256, 144)
 ENLARGED = 4

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.frames import Image
+from swimlab.runs.frames import Image
 
 Picture = NDArray[np.uint8]
 

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import Any, NamedTuple
 
-from swimlab.record import REFERENCE
 from swimlab.report.charts import Axis, Bar, Line, line_chart, number, stacked_bars
 from swimlab.report.palette import PARTS, Ink
 from swimlab.report.scatter import Point, scatter
+from swimlab.runs.record import REFERENCE
 
 Entry = Mapping[str, Any]
 

@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from swimlab.frames import frame_path, read_frame
-from swimlab.record import REFERENCE
 from swimlab.report.bands_strip import strip
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import srgb, webp
@@ -12,6 +10,8 @@ from swimlab.report.figures import Figure
 from swimlab.report.plane_slice import plane_slice
 from swimlab.report.recorded import Run
 from swimlab.report.spectrum_maps import peaks_of, spectrum_map, stripes
+from swimlab.runs.frames import frame_path, read_frame
+from swimlab.runs.record import REFERENCE
 
 Entry = Mapping[str, Any]
 

@@ -10,9 +10,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.columns import MARKS
-from swimlab.files import replacing_folder, write_text
-from swimlab.record import REFERENCE
 from swimlab.report.bundle import PAGE, refuse_strange_folder, write_pictures
 from swimlab.report.clips import BUDGET, Clip, choose_clips
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
@@ -22,7 +19,10 @@ from swimlab.report.palette import Ink, inks
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
-from swimlab.resolution import LEGEND
+from swimlab.runs.columns import MARKS
+from swimlab.runs.files import replacing_folder, write_text
+from swimlab.runs.record import REFERENCE
+from swimlab.scoring.resolution import LEGEND
 
 SCRIPTS = ("pictures.js", "view.js", "screen.js", "pointer.js", "viewer.js", "charts.js")
 

@@ -7,7 +7,7 @@ other marks, when it runs out. Colours of parts: Okabe and Ito, Color Universal 
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from swimlab.record import REFERENCE
+from swimlab.runs.record import REFERENCE
 
 
 class Ink(NamedTuple):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swimlab.record import REFERENCE, Record
+from swimlab.runs.record import REFERENCE, Record
 
 
 class ReportError(ValueError):

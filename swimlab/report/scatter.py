@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
 
-from swimlab.pareto import front
 from swimlab.report.charts import HEIGHT, WIDTH, Axis, Plane, drawing, group, number
 from swimlab.report.palette import Ink
+from swimlab.report.pareto import front
 
 Box = tuple[float, float, float, float]
 

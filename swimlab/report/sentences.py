@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from swimlab.gate.measured import flat
 from swimlab.report.charts import number
 from swimlab.report.weighing import AS_GOOD, Tested, as_good_for_its_time, calm_but_wrong, seen
+from swimlab.runs.entries import flat
 
 TOLD = 2
 """Techniques that look calm but are wrong whose numbers are told; the others are named."""

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from metrics import METRICS
-from swimlab.columns import COLUMNS, NEITHER, marked
-from swimlab.record import REFERENCE
 from swimlab.report.charts import number
-from swimlab.resolution import MARK, unresolved
+from swimlab.runs.columns import COLUMNS, NEITHER, marked
+from swimlab.runs.record import REFERENCE
+from swimlab.scoring.resolution import MARK, unresolved
 
 Entry = Mapping[str, Any]
 Scores = Mapping[str, float]

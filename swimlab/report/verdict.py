@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from swimlab.record import REFERENCE
 from swimlab.report.charts import number
 from swimlab.report.sentences import (
     about,
@@ -32,6 +31,7 @@ from swimlab.report.weighing import (
     unresolved_from,
     weigh,
 )
+from swimlab.runs.record import REFERENCE
 
 YARDSTICK = "pixel-aniso"
 """What engines do: other techniques' times and errors are told as multiples of its."""

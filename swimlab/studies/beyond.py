@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from metrics.kernels.launch import Launcher
 from sequences import load
-from swimlab.catalogue import brdf_settings, technique_settings
-from swimlab.launch import Launcher
-from swimlab.plan import Plan
-from swimlab.record import provenance
-from swimlab.run import render_run
+from swimlab.render.catalogue import brdf_settings, technique_settings
+from swimlab.render.plan import Plan
+from swimlab.render.run import render_run
+from swimlab.runs.provenance import provenance
 from swimlab.studies import comparison, moments, slivers, tsl, vertex
 from swimlab.studies.display import Row, display_study
 from swimlab.studies.page import Section, Table, tables, write_page
-from swimlab.trials import Stage
+from swimlab.studies.trials import Stage
 
 NAME = "beyond-the-deck"
 SHORT = 8

@@ -11,15 +11,15 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from metrics.kernels.launch import Launcher
 from sequences import asphalt
-from swimlab.brdf import Model
-from swimlab.catalogue import brdfs
-from swimlab.kernels.evaluation import cosines, evaluations
-from swimlab.kernels.inspection import shaded_samples
-from swimlab.kernels.packet import plain_packet
-from swimlab.kernels.shading import in_local_frame
-from swimlab.kernels.structs import LANES, TEXELS, Sun
-from swimlab.launch import Launcher
+from swimlab.render.brdf import Model
+from swimlab.render.catalogue import brdfs
+from swimlab.render.kernels.evaluation import cosines, evaluations
+from swimlab.render.kernels.inspection import shaded_samples
+from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.shading import in_local_frame
+from swimlab.render.kernels.structs import LANES, TEXELS, Sun
 
 Floats = NDArray[np.float32]
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from swimlab.launch import Launcher
-from swimlab.record import provenance
+from metrics.kernels.launch import Launcher
+from swimlab.runs.provenance import provenance
 from swimlab.studies.brdf_cost import FORMS, LOOP, POWERS, Cost, TableError, table_errors, time_models
 from swimlab.studies.brdfs import FRAMES, SAMPLES, SIZE, Row, brdf_study
 from swimlab.studies.page import Cell, Section, Table, tables, write_page

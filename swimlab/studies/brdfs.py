@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from metrics.kernels.launch import Launcher
 from sequences import load
-from swimlab.inputs import Maps
-from swimlab.launch import Launcher
-from swimlab.material import Material, read_maps
+from swimlab.render.inputs import Maps
+from swimlab.render.material import Material, read_maps
 from swimlab.studies.brdf_cost import FORMS, Form
-from swimlab.trials import Stage, Trial, Variant
+from swimlab.studies.trials import Stage, Trial, Variant
 
 SIZE, FRAMES, SAMPLES = (320, 180), 8, 64
 """Size of the pictures, how many, and samples a pixel of the reference."""

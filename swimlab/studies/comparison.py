@@ -7,12 +7,12 @@ from statistics import median, quantiles
 
 from metrics import resolved
 from metrics.bands import BANDS, describe
-from swimlab.catalogue import techniques
-from swimlab.frames import Image
-from swimlab.record import REFERENCE
+from swimlab.render.catalogue import techniques
+from swimlab.runs.frames import Image
+from swimlab.runs.record import REFERENCE
 from swimlab.studies.page import Cell, Figure, Section, Table
 from swimlab.studies.sheet import contact_sheet
-from swimlab.trials import Stage, Trial, Variant
+from swimlab.studies.trials import Stage, Trial, Variant
 
 BASE = "pixel-aniso"
 """What engines do, whose time others are counted in."""

@@ -6,10 +6,10 @@ from math import sqrt
 from pathlib import Path
 
 from metrics import Bloom, Display, align, measure
-from swimlab.measure import display_of, read_clip, reference_error
-from swimlab.record import REFERENCE, Record, RunError
-from swimlab.renderer import GEOMETRY
-from swimlab.run import check_complete
+from swimlab.render.renderer import GEOMETRY
+from swimlab.render.run import check_complete
+from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.scoring.measure import display_of, read_clip, reference_error
 
 LINEAR = "linear"
 """The row of radiance as it was rendered."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from metrics.kernels.launch import Launcher
 from sequences import Sequence as Scenery
-from swimlab.launch import Launcher
-from swimlab.material import Material
+from swimlab.render.material import Material
+from swimlab.render.target import Screen
 from swimlab.report.charts import Axis, Line, line_chart
 from swimlab.studies.page import Cell, Section, Table
 from swimlab.studies.panels import Panel, panels
+from swimlab.studies.trials import Stage, Variant
 from swimlab.studies.turns import Task, Time, clip_task, cpu, frame_task, in_turns, wall
-from swimlab.target import Screen
-from swimlab.trials import Stage, Variant
 
 HEIGHTS = (180, 360, 720, 1080, 2160)
 LENGTHS = (16.0, 32.0, 64.0, 128.0, 240.0)

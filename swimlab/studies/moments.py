@@ -7,14 +7,14 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.inputs import Inputs, Maps
-from swimlab.kernels.coarsest import resolve_coarsest
-from swimlab.launch import Launcher
-from swimlab.material import Material
+from metrics.kernels.launch import Launcher
+from swimlab.render.inputs import Inputs, Maps
+from swimlab.render.kernels.coarsest import resolve_coarsest
+from swimlab.render.material import Material
+from swimlab.render.techniques import clean, lean, toksvig, vmf
 from swimlab.report.charts import Axis, Line
 from swimlab.report.palette import TECHNIQUES
 from swimlab.studies.page import Section, Table, chart
-from swimlab.techniques import clean, lean, toksvig, vmf
 
 CHAINS = (toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)
 SIGMAS = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)

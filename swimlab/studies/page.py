@@ -6,8 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from swimlab.files import replacing, write_text
 from swimlab.report.charts import HEIGHT, WIDTH, Axis, Line, line_chart
+from swimlab.runs.files import replacing, write_text
 
 Cell = str | float | int | None
 KEY_WIDTH = 190

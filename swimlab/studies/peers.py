@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swimlab.record import RunError
+from swimlab.runs.record import RunError
 from swimlab.studies.page import Cell, Section, Table
 
 Report = Mapping[str, Any]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from swimlab.studies.page import Section, Table
-from swimlab.trials import Stage, Trial, Variant
+from swimlab.studies.trials import Stage, Trial, Variant
 
 PLAIN = Variant("pixel-aniso, all drawn", "pixel-aniso")
 WITHOUT = Variant("pixel-aniso, none under 1 px", "pixel-aniso", {"thinnest": 1.0})

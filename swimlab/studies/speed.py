@@ -6,18 +6,18 @@ from statistics import quantiles
 
 import numpy as np
 
+from metrics.kernels.launch import Launcher
 from sequences import Sequence as Scenery
-from swimlab.catalogue import techniques
-from swimlab.launch import Launcher
-from swimlab.material import Material
-from swimlab.pareto import front
-from swimlab.record import REFERENCE
+from swimlab.render.catalogue import techniques
+from swimlab.render.material import Material
 from swimlab.report.charts import Axis
+from swimlab.report.pareto import front
 from swimlab.report.scatter import Point, scatter
+from swimlab.runs.record import REFERENCE
 from swimlab.studies.page import Cell, Figure, Section, Table, shown
 from swimlab.studies.panels import Panel, panels
+from swimlab.studies.trials import Stage, Trial, Variant
 from swimlab.studies.turns import Time, cpu, frame_task, in_turns, wall
-from swimlab.trials import Stage, Trial, Variant
 
 SCORES = ("budget", "visible.flicker")
 PANEL = (860, 430)

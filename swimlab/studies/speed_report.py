@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from metrics.kernels.launch import Launcher
 from sequences import load
-from swimlab.launch import Launcher
-from swimlab.material import load_material
-from swimlab.record import provenance
+from swimlab.render.material import load_material
+from swimlab.runs.provenance import provenance
 from swimlab.studies import growth, speed
 from swimlab.studies.page import tables, write_page
 from swimlab.studies.peers import read_peers

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from metrics.kernels.launch import Launcher
 from sequences.asphalt import make
-from swimlab.inputs import Maps
-from swimlab.launch import Launcher
-from swimlab.record import provenance
+from swimlab.render.inputs import Maps
+from swimlab.runs.provenance import provenance
 from swimlab.studies import stability_frames as frames
 from swimlab.studies import stability_lobes as lobes
 from swimlab.studies import stability_measures as measures

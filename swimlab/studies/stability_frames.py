@@ -7,20 +7,20 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from metrics.kernels.launch import Launcher, Strip
 from sequences import Sequence, load
-from swimlab.catalogue import model_of, techniques
-from swimlab.inputs import Maps
-from swimlab.kernels.inspection import filtered_samples, shaded_samples, surfaces
-from swimlab.kernels.structs import LANES, Sun, Texel
-from swimlab.kernels.texture_filter import anisotropic_to
-from swimlab.kernels.texture_space import unpremultiply
-from swimlab.launch import Launcher, Strip
-from swimlab.material import Material
-from swimlab.mesh import ROWS_PER_WAVE
-from swimlab.shot import Shot
+from swimlab.render.catalogue import model_of, techniques
+from swimlab.render.inputs import Maps
+from swimlab.render.kernels.inspection import filtered_samples, shaded_samples, surfaces
+from swimlab.render.kernels.structs import LANES, Sun, Texel
+from swimlab.render.kernels.texture_filter import anisotropic_to
+from swimlab.render.kernels.texture_space import unpremultiply
+from swimlab.render.material import Material
+from swimlab.render.mesh import ROWS_PER_WAVE
+from swimlab.render.shot import Shot
+from swimlab.render.texture import MipChain
+from swimlab.render.triangles import visibility
 from swimlab.studies.stability_twin import Doubles, Error, Twin, chain, compare, rms, stretched
-from swimlab.texture import MipChain
-from swimlab.triangles import visibility
 
 SIZE = (96, 54)
 ASPECTS = (1.0, 16.0, 100.0, 1e3, 1e4)

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from swimlab.inputs import LEAST_POWER, STEEPEST, Maps, slopes
-from swimlab.kernels.raster import NEAR
-from swimlab.launch import Launcher
-from swimlab.material import Material
+from metrics.kernels.launch import Launcher
+from swimlab.render.inputs import LEAST_POWER, STEEPEST, Maps, slopes
+from swimlab.render.kernels.raster import NEAR
+from swimlab.render.material import Material
+from swimlab.render.techniques import clean, toksvig
 from swimlab.studies.stability_moments import SIDE, sloping
-from swimlab.techniques import clean, toksvig
 
 ROUNDING = 2.4e-7
 """Least variance over second moment that CLEAN and LEAN believe."""

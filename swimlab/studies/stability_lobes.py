@@ -7,13 +7,13 @@ import numpy as np
 import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
-from swimlab.brdf import Model
-from swimlab.catalogue import brdfs
-from swimlab.kernels.inspection import shaded_samples
-from swimlab.kernels.packet import plain_packet
-from swimlab.kernels.shading import in_local_frame
-from swimlab.kernels.structs import LANES, Sun, Texel
-from swimlab.launch import Launcher
+from metrics.kernels.launch import Launcher
+from swimlab.render.brdf import Model
+from swimlab.render.catalogue import brdfs
+from swimlab.render.kernels.inspection import shaded_samples
+from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.shading import in_local_frame
+from swimlab.render.kernels.structs import LANES, Sun, Texel
 from swimlab.studies.stability_twin import Doubles, Error, compare, radiance, unit
 
 SAMPLES = 128 * LANES

@@ -8,13 +8,13 @@ import sys
 import time
 from typing import NamedTuple
 
+from metrics.kernels.launch import Launcher
 from sequences import load
 from sequences.asphalt import make
-from swimlab.catalogue import model_of, techniques
-from swimlab.inputs import Maps
-from swimlab.launch import Launcher
-from swimlab.material import Material
-from swimlab.shot import Shot
+from swimlab.render.catalogue import model_of, techniques
+from swimlab.render.inputs import Maps
+from swimlab.render.material import Material
+from swimlab.render.shot import Shot
 
 LARGE = (16384, 2048)
 LARGEST = (16384, 16384)

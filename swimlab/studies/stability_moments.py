@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.inputs import Inputs, Maps, variances
-from swimlab.kernels.coarsest import resolve_coarsest
-from swimlab.launch import Launcher
-from swimlab.material import Material
+from metrics.kernels.launch import Launcher
+from swimlab.render.inputs import Inputs, Maps, variances
+from swimlab.render.kernels.coarsest import resolve_coarsest
+from swimlab.render.material import Material
+from swimlab.render.techniques import clean, lean
 from swimlab.studies.stability_twin import Doubles, rms, unit
-from swimlab.techniques import clean, lean
 
 SIDE = 64
 MAPS = 6

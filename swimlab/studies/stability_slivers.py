@@ -6,12 +6,12 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from swimlab.kernels.inspection import surfaces
-from swimlab.kernels.structs import Grid
-from swimlab.launch import Launcher, Strip
-from swimlab.mesh import Mesh
+from metrics.kernels.launch import Launcher, Strip
+from swimlab.render.kernels.inspection import surfaces
+from swimlab.render.kernels.structs import Grid
+from swimlab.render.mesh import Mesh
+from swimlab.render.triangles import set_up, visibility
 from swimlab.studies.stability_twin import Doubles
-from swimlab.triangles import set_up, visibility
 
 SIDE = 12
 LEFT, TOP, BOTTOM = 3.3137, 1.3, 10.7

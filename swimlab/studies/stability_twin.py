@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sequences import Sequence
-from swimlab.inputs import Maps
+from swimlab.render.inputs import Maps
 
 Doubles = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from math import inf
 import numpy as np
 
 from metrics.bands import BANDS, describe
+from swimlab.render.techniques.tsl import INPUTS
 from swimlab.report.charts import Axis, Line
 from swimlab.studies.page import Cell, Figure, Section, Table, chart
 from swimlab.studies.sheet import contact_sheet
-from swimlab.techniques.tsl import INPUTS
-from swimlab.trials import Stage, Trial, Variant
+from swimlab.studies.trials import Stage, Trial, Variant
 
 SIZES = (1024, 512, 256, 128)
 COARSER = (-1, 0, 1, 2)

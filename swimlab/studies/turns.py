@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import median
 from typing import NamedTuple
 
-from swimlab.trials import Stage, Variant
+from swimlab.studies.trials import Stage, Variant
 
 
 class Time(NamedTuple):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from swimlab.report.charts import Axis, Line
 from swimlab.report.palette import inks
 from swimlab.studies.page import Section, Table, chart
-from swimlab.trials import Stage, Variant
+from swimlab.studies.trials import Stage, Variant
 
 VERTEX, PIXEL = "vertex", "pixel-aniso"
 COMPARED = (VERTEX, PIXEL, "vmf", "tsl")

@@ -10,11 +10,11 @@ from typing import Any
 
 from sequences import Sequence
 from sequences.scene import Scene
-from swimlab import __version__
-from swimlab.catalogue import own_code, technique_settings, techniques
-from swimlab.plan import Plan
-from swimlab.record import REFERENCE
-from swimlab.renderer import GEOMETRY
+from swimlab.render.catalogue import own_code, technique_settings, techniques
+from swimlab.render.plan import Plan
+from swimlab.render.renderer import GEOMETRY
+from swimlab.runs.provenance import SWIMLAB
+from swimlab.runs.record import REFERENCE
 
 NO_PIXELS = {"name", "techniques", "viewing", "display"}
 """Keys of a sequence that decide no pixel of a technique."""
@@ -36,7 +36,7 @@ class Chunk:
     frames: tuple[int, ...]
     samples: int
     half: bool
-    version: str = __version__
+    version: str = SWIMLAB
     code: str | None = None
 
     @property
@@ -93,7 +93,7 @@ def spans(frames: tuple[int, ...], size: int, *, doubling: bool) -> Iterator[tup
 def _content(plan: Plan, name: str) -> dict[str, Any]:
     """All that decides a technique's pixels, less the defaults; for the geometry neither light nor maps count."""
     sequence = plan.sequence
-    content: dict[str, Any] = {"swimlab": __version__, "technique": name, "seed": sequence.seed}
+    content: dict[str, Any] = {"swimlab": SWIMLAB, "technique": name, "seed": sequence.seed}
     if name == GEOMETRY:
         unlit = {"material": Scene().material, "sun": Scene().sun}
         sequence = sequence.model_copy(update={"scene": sequence.scene.model_copy(update=unlit)})

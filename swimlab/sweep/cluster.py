@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from hashlib import sha256
 from typing import Any
 
-from swimlab.record import RunError
+from swimlab.runs.record import RunError
 from swimlab.sweep.task import Engine, Task
 
 RETRIES = 1

@@ -9,9 +9,9 @@ from typing import Any
 
 from sequences import load
 from sequences.problems import SequenceError
-from swimlab.catalogue import brdf_settings, technique_settings
-from swimlab.plan import Plan, check_samples, parse_frames
-from swimlab.record import RunError
+from swimlab.render.catalogue import brdf_settings, technique_settings
+from swimlab.render.plan import Plan, check_samples, parse_frames
+from swimlab.runs.record import RunError
 from swimlab.sweep.file import Sweep, SweepError, check
 
 LONGEST_NAME = 100

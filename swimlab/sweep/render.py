@@ -11,16 +11,16 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+from metrics.kernels.launch import Launcher
 from sequences import Sequence
-from swimlab import __version__
-from swimlab.catalogue import own_code
-from swimlab.files import write_json
-from swimlab.frames import COLOUR, FrameError, read_channels
-from swimlab.frames import GEOMETRY as GEOMETRY_CHANNELS
-from swimlab.launch import Launcher
-from swimlab.plan import Plan
-from swimlab.record import RunError
-from swimlab.renderer import GEOMETRY, Renderer
+from swimlab.render.catalogue import own_code
+from swimlab.render.plan import Plan
+from swimlab.render.renderer import GEOMETRY, Renderer
+from swimlab.runs.files import write_json
+from swimlab.runs.frames import COLOUR, FrameError, read_channels
+from swimlab.runs.frames import GEOMETRY as GEOMETRY_CHANNELS
+from swimlab.runs.provenance import SWIMLAB
+from swimlab.runs.record import RunError
 from swimlab.sweep.chunk import Chunk
 
 RENDERING = Lock()
@@ -33,10 +33,8 @@ def render_chunk(chunk: Chunk, out: Path, threads: int | None) -> None:
     Safe to be called for the same chunk in several processes and machines at once. Raises RunError where this is not
     the version of swimlab, or the code of a technique of one's own, that made the chunk, and whatever rendering raises.
     """
-    if chunk.version != __version__:
-        raise RunError(
-            f"this machine has swimlab {__version__} and the sweep was made by {chunk.version}; install that"
-        )
+    if chunk.version != SWIMLAB:
+        raise RunError(f"this machine has swimlab {SWIMLAB} and the sweep was made by {chunk.version}; install that")
     if chunk.code != own_code().get(chunk.technique):
         raise RunError(
             f"this machine lacks the sweep's {chunk.technique!r}, or has another; "

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from swimlab.measure import write_scores
-from swimlab.plan import Plan
-from swimlab.record import REFERENCE, Record
+from swimlab.render.plan import Plan
+from swimlab.runs.record import REFERENCE, Record
+from swimlab.scoring.measure import write_scores
 from swimlab.sweep.assemble import assemble
 from swimlab.sweep.chunk import Chunk, Chunks, cut
 from swimlab.sweep.file import Sweep

@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from swimlab import __version__
-from swimlab.files import write_json
-from swimlab.frames import FrameError
-from swimlab.measure import Domain, measure_techniques
-from swimlab.plan import Plan
-from swimlab.record import REFERENCE, Record, RunError
-from swimlab.renderer import GEOMETRY
+from swimlab.render.plan import Plan
+from swimlab.render.renderer import GEOMETRY
+from swimlab.runs.files import write_json
+from swimlab.runs.frames import FrameError
+from swimlab.runs.provenance import SWIMLAB
+from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.scoring.measure import Domain, measure_techniques
 from swimlab.sweep.chunk import Chunks
 from swimlab.sweep.render import remove_damaged
 
@@ -21,7 +21,7 @@ def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: 
     """File of a technique's scores, named by a hash over all that decides them: pictures and how they are looked at."""
     sequence = plan.sequence
     content = {
-        "swimlab": __version__,
+        "swimlab": SWIMLAB,
         "pictures": [chunk.digest for name in (technique, REFERENCE, GEOMETRY) for chunk in chunks[name]],
         "technique": technique,
         "domain": domain,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swimlab.files import write_json
+from swimlab.runs.files import write_json
 
 
 class Task(NamedTuple):

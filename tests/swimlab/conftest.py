@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
+from metrics.kernels.launch import Launcher
 from sequences import Sequence
 from sequences.asphalt import make
-from swimlab.catalogue import model_of, techniques
 from swimlab.cli.main import main
-from swimlab.inputs import Maps
-from swimlab.launch import Launcher
-from swimlab.material import Material
-from swimlab.shot import Shot
-from swimlab.technique import Picture
+from swimlab.render.catalogue import model_of, techniques
+from swimlab.render.inputs import Maps
+from swimlab.render.material import Material
+from swimlab.render.shot import Shot
+from swimlab.render.technique import Picture
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,1 @@
+"""What runs on all cores: the launcher."""

@@ -1,0 +1,1 @@
+"""From a sequence to pictures: scene, techniques, renderer and run."""

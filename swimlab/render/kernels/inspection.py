@@ -1,0 +1,101 @@
+"""Kernels that show what device functions give for single samples, without a picture."""
+
+import functools
+
+import warp as wp
+
+from swimlab.render.kernels.footprint import surface_at
+from swimlab.render.kernels.locate import PLACES
+from swimlab.render.kernels.packet import put_in, radiance, rows_of
+from swimlab.render.kernels.raster import sample_position
+from swimlab.render.kernels.shading import power_of_cosine
+from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.kernel
+def raise_cosines(h: wp.array(dtype=wp.vec3), power: wp.float32, out: wp.array(dtype=wp.float32)):
+    """sat(h.z)^power of unit vectors."""
+    out[wp.tid()] = power_of_cosine(h[wp.tid()], power)
+
+
+@wp.kernel
+def surfaces(
+    grid: Grid,
+    visible: wp.array2d(dtype=wp.int32),
+    planes: wp.array(dtype=Planes),
+    uv: wp.array2d(dtype=wp.vec2d),
+    dx: wp.array2d(dtype=wp.vec2d),
+    dy: wp.array2d(dtype=wp.vec2d),
+    position: wp.array2d(dtype=wp.vec3d),
+):
+    """Of what each sample of a grid sees: uv, its derivatives by cell right and down, position relative to the eye.
+
+    All are left as they are where it sees nothing.
+    """
+    j, i = wp.tid()
+    triangle = visible[j, i]
+    if triangle >= 0:
+        surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
+        uv[j, i] = surface.uv
+        dx[j, i] = surface.dx
+        dy[j, i] = surface.dy
+        position[j, i] = surface.position
+
+
+@functools.cache
+def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
+    texel_type = TEXELS[width]
+    put = put_in(width)
+    floats = LANES * rows_of(width)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        texels: wp.array(dtype=texel_type),
+        positions: wp.array(dtype=wp.vec3),
+        sun: Sun,
+        out: wp.array(dtype=wp.vec3),
+    ):
+        first = wp.tid() * LANES
+        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
+        for lane in range(LANES):
+            put(lanes, lane, texels[first + lane])
+            position = positions[first + lane]
+            for row in range(3):
+                lanes[(width + row) * LANES + lane] = position[row]
+        shade_packet(lanes, sun)
+        for lane in range(LANES):
+            out[first + lane] = radiance(lanes, lane)
+
+    return kernel
+
+
+@functools.cache
+def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that fills `count` lanes of a packet a thread from `places` [N, PLACES].
+
+    The texels go to `out` [N, width * LANES].
+    """
+    texel_type = TEXELS[width]
+    floats = rows_of(width) * LANES
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        count: wp.int32,
+        places: wp.array2d(dtype=wp.float64),
+        out: wp.array2d(dtype=wp.float32),
+    ):
+        packet = wp.tid()
+        own = wp.zeros(shape=(PLACES,), dtype=wp.float64)
+        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
+        for k in range(PLACES):
+            own[k] = places[packet, k]
+        fill(texels, chain, own, count, lanes)
+        for k in range(width * LANES):
+            out[packet, k] = lanes[k]
+
+    return kernel

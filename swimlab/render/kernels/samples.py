@@ -1,0 +1,108 @@
+"""Shading the samples of a grid: what pixel shading, texture-space lighting and the reference have in common."""
+
+import functools
+
+import warp as wp
+
+from swimlab.render.kernels.locate import PLACES, locate_before
+from swimlab.render.kernels.packet import rows_of
+from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
+
+GATHER = """
+    char* at = (char*)picture.data + (long)j*picture.strides[0];
+    char* other = (char*)error.data + (long)j*error.strides[0];
+    int pixel = first/n, column = first - pixel*n;
+    const float odd_share = -1.0f/(float)(n*n/2), even_share = 1.0f/(float)(n*n - n*n/2);
+    if (n == 1) {
+        for (int k = 0; k < count; ++k) {
+            float* p = (float*)(at + (long)(pixel + k)*picture.strides[1]);
+            p[0] = lanes.data[k]; p[1] = lanes.data[LANES + k]; p[2] = lanes.data[2*LANES + k]; p[3] = 1.0f;
+        }
+        return;
+    }
+    for (int k = 0; k < count; ++pixel, column = 0) {
+        float* p = (float*)(at + (long)pixel*picture.strides[1]);
+        float* e = (float*)(other + (long)pixel*error.strides[1]);
+        float sum[4] = {p[0], p[1], p[2], p[3]}, difference[4] = {e[0], e[1], e[2], e[3]};
+        for (; column < n && k < count; ++column, ++k) {
+            const float r = lanes.data[k], g = lanes.data[LANES + k], b = lanes.data[2*LANES + k];
+            const float share = (column + y) & 1 ? odd_share : even_share;
+            sum[0] += r; sum[1] += g; sum[2] += b; sum[3] += 1.0f;
+            difference[0] += r*share; difference[1] += g*share; difference[2] += b*share; difference[3] += share;
+        }
+        for (int c = 0; c < 4; ++c) { p[c] = sum[c]; e[c] = difference[c]; }
+    }
+""".replace("LANES", str(LANES))
+
+
+@wp.func_native(GATHER)
+def gather(
+    lanes: wp.array(dtype=wp.float32),
+    first: wp.int32,
+    count: wp.int32,
+    n: wp.int32,
+    y: wp.int32,
+    j: wp.int32,
+    picture: wp.array2d(dtype=wp.vec4),
+    error: wp.array2d(dtype=wp.vec4),
+):
+    """Add a packet's radiance to its pixels, and to `error` with the signs of the two halves of a checkerboard."""
+
+
+@functools.cache
+def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
+
+    A packet is a run of cells in a row that see one triangle: they are located on it, filled with filtered texels of
+    `width` floats, shaded, and gathered into pixels. The `fill` is what sets one technique apart from another.
+    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which is to be 0
+    before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
+    between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
+    """
+    texel_type = TEXELS[width]
+    locate = locate_before(width)
+    floats = LANES * rows_of(width)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first_row: wp.int32,
+        picture_row: wp.int32,
+        n: wp.int32,
+        grid: Grid,
+        visible: wp.array2d(dtype=wp.int32),
+        planes: wp.array(dtype=Planes),
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        sun: Sun,
+        picture: wp.array2d(dtype=wp.vec4),
+        error: wp.array2d(dtype=wp.vec4),
+        shaded: wp.array(dtype=wp.int32),
+    ):
+        row = wp.tid()
+        j = picture_row + row
+        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
+        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
+        hits = wp.int32(0)
+        for y in range(n):
+            x = wp.int32(0)
+            while x < grid.width:
+                triangle = visible[row * n + y, x]
+                stop = wp.int32(x + 1)
+                if triangle >= 0:
+                    last = wp.min(x + LANES, grid.width)
+                    while stop < last and visible[row * n + y, stop] == triangle:
+                        stop += 1
+                    locate(planes[triangle], grid, x, (first_row + row) * n + y, stop - x, places, lanes)
+                    fill(texels, chain, places, stop - x, lanes)
+                    shade_packet(lanes, sun)
+                    gather(lanes, x, stop - x, n, y, j, picture, error)
+                    hits += stop - x
+                x = stop
+        shaded[j] = hits
+        if n > 1:
+            share = 1.0 / wp.float32(n * n)
+            for i in range(grid.width / n):
+                picture[j, i] = picture[j, i] * share
+                error[j, i] = error[j, i] * 0.5
+
+    return kernel

@@ -1,0 +1,189 @@
+"""The scene's maps: made or read from files, checked, and packed into mip chains."""
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import warp as wp
+
+from metrics.kernels.launch import Launcher
+from sequences import Sequence
+from swimlab.render.inputs import Inputs, Level, Map, Maps
+from swimlab.render.kernels.structs import TEXELS
+from swimlab.render.texture import MipChain
+
+if TYPE_CHECKING:
+    from sequences import asphalt
+
+LARGEST_GAUGED_POWER = 12.0
+"""Integer gloss maps hold power = 2^(1 + 12 c)."""
+
+
+MOST_CHANNELS = {"twist": 2}
+"""Channels that are read of a map that may have more than it must: a twist is an angle or a vector."""
+
+
+class MapError(ValueError):
+    """A map that cannot be used; the message names the key and the file and says how to mend it."""
+
+
+class Material:
+    """The maps of a scene, and the mip chains that techniques make of them, each made once when first asked for."""
+
+    def __init__(self, launcher: Launcher, maps: Maps) -> None:
+        self._launcher = launcher
+        self._maps = maps
+        self._chains: dict[Callable[[Maps], Level], MipChain] = {}
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the maps in texels."""
+        height, width = self._maps.albedo.shape[:2]
+        return width, height
+
+    @property
+    def twisted(self) -> bool:
+        """Whether the tangent is turned by a map."""
+        return self._maps.twist is not None
+
+    def chain(self, inputs: Inputs) -> MipChain:
+        """The repeating mip chain of some inputs."""
+        if inputs.pack not in self._chains:
+            self._chains[inputs.pack] = self._packed(inputs)
+        return self._chains[inputs.pack]
+
+    def _packed(self, inputs: Inputs) -> MipChain:
+        texels, centre = inputs.pack(self._maps)
+        if self._maps.twist is not None:
+            texels = np.concatenate([texels, self._maps.twist], axis=2, dtype=np.float32)
+        height, width, floats = texels.shape
+        chain = MipChain.allocate(self._launcher, width=width, height=height, dtype=TEXELS[floats], clamps=False)
+        chain.shape.centre = wp.vec2(*centre)
+        chain.texels[: width * height].assign(np.ascontiguousarray(texels).reshape(-1, floats))
+        chain.reduce(self._launcher)
+        return chain
+
+
+def load_material(sequence: Sequence, launcher: Launcher, *, twisted: bool = True) -> Material:
+    """The sequence's material; not `twisted`, for a model that has no use for tangents, without its map of twist.
+
+    Raises MapError for every way in which a map can be unfit.
+    """
+    return Material(launcher, read_maps(sequence, twisted=twisted))
+
+
+def read_maps(sequence: Sequence, *, twisted: bool = True) -> Maps:
+    """The sequence's maps: linear albedo, signed normals, Ks and power, and tangents if `twisted`. Raises MapError."""
+    material = sequence.scene.material
+    albedo = _load(sequence, "albedo", material.albedo, 3)
+    normal = _load(sequence, "normal", material.normal, 3)
+    gloss = _load(sequence, "gloss", material.gloss, 2)
+    twist = _load(sequence, "twist", material.twist, 1) if material.twist is not None and twisted else None
+    maps = Maps(albedo, normal, gloss, twist)
+    sizes = {key: plane.shape[:2] for key, plane in maps._asdict().items() if plane is not None}
+    if len(set(sizes.values())) > 1:
+        listed = ", ".join(f"{key} {w}x{h}" for key, (h, w) in sizes.items())
+        raise MapError(f"scene.material: the maps differ in size ({listed}); resize them to one")
+    return maps
+
+
+def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
+    path = sequence.map_path(value)
+    if path is None:
+        return _made_twist(sequence.seed) if key == "twist" else np.asarray(getattr(_made(sequence.seed), key))
+    where = f"scene.material.{key}: {path}"
+    pixels, integer, srgb = _read(path, where)
+    if pixels.shape[2] < channels:
+        raise MapError(f"{where}: has {pixels.shape[2]} channels; this map needs {channels}")
+    pixels = pixels[..., : MOST_CHANNELS.get(key, channels)]
+    height, width = pixels.shape[:2]
+    if width & (width - 1) or height & (height - 1):
+        raise MapError(f"{where}: is {width}x{height}; both sides must be powers of two")
+    if not np.isfinite(pixels).all():
+        row, column = np.argwhere(~np.isfinite(pixels).all(axis=2))[0]
+        raise MapError(f"{where}: has a NaN or Inf, the first at column {column}, row {row}")
+    return _decode(key, pixels, integer=integer, srgb=srgb, where=where)
+
+
+@lru_cache(maxsize=1)
+def _made_twist(seed: int) -> Map:
+    from sequences.brushed import make
+
+    return tangents(make(seed))
+
+
+def tangents(angle: Map) -> Map:
+    """x and y [h, w, 2] of tangents that are turned by `angle` [h, w] radians from x to y."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1).astype(np.float32)
+
+
+@lru_cache(maxsize=1)
+def _made(seed: int) -> "asphalt.Maps":
+    from sequences.asphalt import make
+
+    return make(seed)
+
+
+def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> Map:
+    """From stored values to what the shading core reads: linear albedo, signed normals and tangents, Ks and power."""
+    if key == "albedo":
+        linear = np.where(pixels <= 0.04045, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4) if srgb else pixels
+        _require(bool((linear >= 0).all()), f"{where}: has negative albedo")
+        return linear.astype(np.float32)
+    if key == "normal":
+        normal = 2.0 * pixels - 1.0 if integer else pixels
+        _require(bool((np.abs(normal) <= 1.001).all()), f"{where}: float normals must lie in [-1, 1]")
+        _require(
+            bool((np.linalg.norm(normal, axis=2) > 1e-3).all()),
+            f"{where}: has normals of zero length; flat is (0, 0, 1)",
+        )
+        return normal.astype(np.float32)
+    if key == "twist":
+        if pixels.shape[2] == 1:
+            return tangents(pixels[..., 0] * (2 * np.pi if integer else 1.0))
+        tangent = 2.0 * pixels - 1.0 if integer else pixels
+        _require(
+            bool((np.linalg.norm(tangent, axis=2) > 1e-3).all()),
+            f"{where}: has tangents of zero length; untwisted is (1, 0)",
+        )
+        return tangent.astype(np.float32)
+    gloss = pixels.copy()
+    if integer:
+        gloss[..., 1] = 2.0 ** (1.0 + LARGEST_GAUGED_POWER * pixels[..., 1])
+    _require(bool((gloss >= 0).all()), f"{where}: Ks and power must not be negative")
+    return gloss
+
+
+def _require(holds: bool, problem: str) -> None:
+    if not holds:
+        raise MapError(problem)
+
+
+def _read(path: Path, where: str) -> tuple[Map, bool, bool]:
+    """Pixels as float [h, w, c] without premultiplication, whether stored as integers, and whether sRGB-encoded.
+
+    sRGB: as the file's own colour space says where it has one; else 8-bit PNG, JPEG, BMP, GIF and TGA are sRGB.
+    """
+    import OpenImageIO as oiio  # noqa: N813
+
+    if not path.is_file():
+        raise MapError(f"{where}: does not exist")
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    source = oiio.ImageInput.open(str(path), config)
+    if source is None:
+        raise MapError(f"{where}: is not a picture that can be read: {oiio.geterror()}")
+    spec = source.spec()
+    pixels = source.read_image(0, 0, 0, spec.nchannels, oiio.FLOAT)
+    if pixels is None:
+        raise MapError(f"{where}: is damaged: {source.geterror()}")
+    source.close()
+    integer = str(spec.format) not in {"float", "half", "double"}
+    space = str(spec.get_string_attribute("oiio:ColorSpace")).lower()
+    if space:
+        srgb = "srgb" in space
+    else:
+        srgb = integer and path.suffix.lower() in {".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tga"}
+    return np.asarray(pixels, np.float32), integer, srgb

@@ -1,0 +1,89 @@
+"""One frame to render: everything that the techniques share, set up once."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from metrics.kernels.launch import Launcher
+from sequences import Sequence, View
+from swimlab.render.brdf import Model
+from swimlab.render.inputs import Inputs
+from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.shading import in_local_frame
+from swimlab.render.kernels.structs import Grid, Sun
+from swimlab.render.material import Material
+from swimlab.render.mesh import Mesh, scene_mesh
+from swimlab.render.triangles import Triangles, on_screen, screen_projection
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A frame of a sequence before any technique has touched it.
+
+    samples: the reference's samples a pixel, n x n.
+    model: the scene's reflectance model.
+    thinnest: px; slivers under it are not drawn (see `swimlab.render.triangles.on_screen`).
+    """
+
+    sequence: Sequence
+    frame: int
+    material: Material
+    model: Model
+    samples: int
+    launcher: Launcher
+    thinnest: float = 0.0
+
+    @cached_property
+    def view(self) -> View:
+        """Where the frame's samples lie."""
+        return self.sequence.view(self.frame)
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """Road and wires about this frame's eye."""
+        return scene_mesh(self.sequence.scene, self.view.camera)
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """The mesh on the screen."""
+        width, height = self.sequence.size
+        projection = screen_projection(self.view.camera, height, width)
+        return on_screen(self.launcher, self.mesh, projection, thinnest=self.thinnest * max(self.view.pitch))
+
+    def inputs(self, wanted: Inputs) -> Inputs:
+        """The inputs themselves, or what stands for them where their own lobe is not the scene's model's."""
+        fits = self.model.slopes_are_gaussian and not self.material.twisted
+        return wanted if fits or wanted.otherwise is None else wanted.otherwise
+
+    def shade_packet(self, inputs: Inputs, width: int) -> wp.Function:
+        """The shading of a packet of texels of `width` floats: native on the CPU where there is such a form."""
+        on_cpu = self.launcher.device == "cpu"
+        if inputs.native is not None and on_cpu:
+            return inputs.native
+        if inputs.reflect is not None:
+            return plain_packet(inputs.reflect, width)
+        if on_cpu and self.model.native is not None and width == 8:
+            return self.model.native
+        return plain_packet(in_local_frame(self.model.evaluate, width), width)
+
+    @cached_property
+    def sun(self) -> Any:
+        """The light, as kernels take it (a Sun)."""
+        sun: Any = Sun()
+        light = self.sequence.sun(self.frame)
+        sun.direction = wp.vec3(*light.direction)
+        sun.diffuse = light.diffuse
+        return sun
+
+    def grid(self, n: int = 1, *, jittered: bool = False) -> Any:
+        """The frame's sample grid (a Grid) with n x n cells a pixel."""
+        view = self.view
+        grid: Any = Grid()
+        grid.origin = wp.vec2d(*view.origin)
+        grid.pitch = wp.vec2d(view.pitch[0] / n, view.pitch[1] / n)
+        grid.width, grid.height = view.width * n, view.height * n
+        grid.jittered, grid.seed = int(jittered), int(np.uint32(self.sequence.seed).view(np.int32))
+        return grid

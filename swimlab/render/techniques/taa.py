@@ -1,0 +1,148 @@
+"""Temporal anti-aliasing, what engines ship: one jittered sample a frame, blended into a history that moves along.
+
+Frame t is defined by a recursion from frame -preroll, whatever was rendered before it: the picture of frame s is
+h + blend (x - h), where x is pixel-aniso at the jitter of s, and h the picture of s - 1, read where the true motion
+leads and clamped to what x shows nearby. Where the surface was off-screen or hidden at s - 1 the picture is x. A frame
+of a sequence that resizes knows no others: it is the recursion over preroll + 1 jitters of its own still view.
+"""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import warp as wp
+from pydantic import Field
+
+from metrics.kernels.launch import Strip
+from sequences import View
+from swimlab.render.geometry import seen_from
+from swimlab.render.kernels.temporal import CLAMPS, READS, reproject, resolve_with
+from swimlab.render.kernels.texture_filter import anisotropic_to
+from swimlab.render.settings import Settings
+from swimlab.render.shot import Shot
+from swimlab.render.technique import Picture, Technique, shading, to_image
+from swimlab.render.triangles import visibility
+
+
+class TaaSettings(Settings):
+    """How samples are spread and remembered."""
+
+    blend: float = Field(0.1, gt=0, le=1, description="share of the new frame")
+    history: Literal["bicubic", "bilinear"] = Field(
+        "bicubic", description="how the history is read: Catmull-Rom or not"
+    )
+    clamp: Literal["box", "variance", "none"] = Field(
+        "box", description="what of the history is believed: the range of 3 x 3 new pixels, or mean and deviation"
+    )
+    period: int = Field(16, ge=1, le=1024, description="frames after which the jitter repeats")
+    preroll: int = Field(16, ge=0, le=1024, description="frames before frame 0 with which the history begins")
+    anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
+
+
+class History(NamedTuple):
+    """What a frame leaves to the next, on the device.
+
+    picture: [H, W], premultiplied. nearness: [H, W], 1/w at pixels' centres. shaded: [H], samples shaded for it.
+    """
+
+    frame: int
+    picture: Any
+    nearness: Any
+    shaded: Any
+
+
+class Accumulation:
+    """A renderer that remembers its last frame, so that the frame after it costs one frame and not the recursion."""
+
+    def __init__(self) -> None:
+        self._last: History | None = None
+
+    def __call__(self, shot: Shot, settings: TaaSettings) -> Picture:
+        """The shot's picture; all shots of one renderer are of one sequence, under one set of settings."""
+        if shot.sequence.motion.resizes:
+            return still(shot, settings)
+        last = self._last
+        if last is not None and last.frame >= shot.frame:
+            last = None
+        for frame in range(-settings.preroll if last is None else last.frame + 1, shot.frame + 1):
+            last = advance(replace(shot, frame=frame), shot.sequence.view(frame - 1), frame, last, settings)
+        self._last = last
+        return Picture(to_image(last.picture), shaded=int(last.shaded.numpy().sum(dtype=np.int64)))
+
+
+def still(shot: Shot, settings: TaaSettings) -> Picture:
+    """The recursion over one view."""
+    last, shaded = None, 0
+    for step in range(-settings.preroll, 1):
+        last = advance(shot, shot.view, step, last, settings)
+        shaded += int(last.shaded.numpy().sum(dtype=np.int64))
+    return Picture(to_image(last.picture), shaded=shaded)
+
+
+def advance(shot: Shot, before: View, step: int, last: History | None, settings: TaaSettings) -> History:
+    """One step of the recursion: a new sample of each pixel, jittered by `step`, and the history, that of `before`."""
+    launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
+    size = (view.height, view.width)
+    fresh, nearness, places = (launcher.zeros(size, dtype) for dtype in (wp.vec4, wp.float32, wp.vec4))
+    shaded, no_error = launcher.empty(view.height, wp.int32), launcher.empty((0, 0), wp.vec4)
+    previous = seen_from(shot, before)
+    jittered: Any = shot.grid()
+    x, y = jitters(settings.period)[step % settings.period]
+    jittered.origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
+    shade = shading(shot, anisotropic_to(settings.anisotropy), 1)
+
+    def sample(strip: Strip) -> None:
+        seen = visibility(launcher, triangles, jittered, strip)
+        shade(jittered, triangles, seen, strip, fresh, no_error, shaded)
+        centres = visibility(launcher, triangles, grid, strip)
+        inputs = [strip.first, grid, triangles.planes, centres, previous, nearness, places]
+        launcher.launch(reproject, (strip.rows, view.width), inputs)
+
+    launcher.each(launcher.strips(view.height), sample)
+    if last is None:
+        return History(step, fresh, nearness, shaded)
+    picture = launcher.empty(size, wp.vec4)
+    resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp])
+
+    def blend(strip: Strip) -> None:
+        inputs = [strip.first, settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
+        launcher.launch(resolve, (strip.rows, view.width), inputs)
+
+    launcher.each(launcher.strips(view.height), blend)
+    return History(step, picture, nearness, shaded)
+
+
+@cache
+def jitters(period: int) -> list[tuple[float, float]]:
+    """Sub-pixel offsets, px: points 1 to `period` of Halton's sequence in bases 2 and 3, less their mean.
+
+    So the picture stays where it is on the whole. Halton 1960, On the efficiency of certain quasi-random sequences.
+    """
+    points = np.array([[halton(index, base) for base in (2, 3)] for index in range(1, period + 1)])
+    return [(float(x), float(y)) for x, y in points - points.mean(axis=0)]
+
+
+def halton(index: int, base: int) -> float:
+    """The digits of `index` mirrored at the point: 1, 2, 3 in base 2 are 1/2, 1/4, 3/4."""
+    value, share = 0.0, 1.0
+    while index:
+        index, digit = divmod(index, base)
+        share /= base
+        value += digit * share
+    return value
+
+
+def render(shot: Shot, settings: TaaSettings) -> Picture:
+    """A frame asked for alone: the whole recursion."""
+    return Accumulation()(shot, settings)
+
+
+TECHNIQUE = Technique(
+    name="taa",
+    summary="pixel-aniso jittered from frame to frame, blended into a history that follows the true motion",
+    source="Karis 2014, High Quality Temporal Supersampling; Salvi 2016, An Excursion in Temporal Supersampling",
+    render=render,
+    settings=TaaSettings,
+    memory=Accumulation,
+)

@@ -1,0 +1,212 @@
+"""Scores of runs as the gate sees them: of which clip, under which settings, and where its frames lie."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import pairwise
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from metrics.display import STANDARD
+from sequences.viewing import Viewing
+from swimlab.runs.record import VERSION, Record, RunError
+
+Key = tuple[str, str]
+"""Sequence and technique."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What must agree for two measurements to be comparable.
+
+    hash: of all that decides the pixels, or None for frames that swimlab did not render. domain: "linear", "display" or
+    "display: gamma sqrt", with all that is not as it stands. extent: the frames that were measured, as "0-31", or "9
+    scales".
+    """
+
+    hash: str | None
+    domain: str
+    extent: str
+
+    def difference(self, other: "Settings") -> str:
+        """The first thing in which the two differ, in words; empty where they agree. Unknown hashes never agree."""
+        if self.hash is None:
+            return "the scores carry no settings hash, so nothing tells whether they are comparable"
+        for what, mine, theirs in (
+            ("settings hash", self.hash, other.hash),
+            ("domain", self.domain, other.domain),
+            ("frames", self.extent, other.extent),
+        ):
+            if mine != theirs:
+                return f"{what} {mine} instead of {theirs}"
+        return ""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A technique's scores on a sequence; a score that is null or not finite in the file is NaN here.
+
+    frames, curves: as in scores.json. errors, replicates: of the scores that have them. folder: the run folder with
+    its pictures, if there is one.
+    """
+
+    sequence: str
+    technique: str
+    scores: dict[str, float]
+    absent: dict[str, str]
+    settings: Settings
+    frames: Sequence[dict[str, Any]] = ()
+    curves: dict[str, dict[str, list[Any]]] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    replicates: dict[str, list[float]] = field(default_factory=dict)
+    folder: Path | None = None
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def key(self) -> Key:
+        """Sequence and technique."""
+        return self.sequence, self.technique
+
+
+def read_entries(run: Path) -> list[Entry]:
+    """Every entry of a run folder, of a study's folder, or of a scores.json file.
+
+    Raises RunError where scores are missing, damaged, empty, or older than the run they lie in.
+    """
+    path = scores_path(run)
+    content = read_content(path)
+    try:
+        entries = content["sequences"]
+        names = list(dict.fromkeys(entry["sequence"] for entry in entries))
+        hashes = _hashes(path, content["provenance"].get("hash"), names)
+        found = [_entry(path, content["provenance"], hashes[entry["sequence"]], entry) for entry in entries]
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        if isinstance(error, RunError):
+            raise
+        raise RunError(f"{path}: is not a file of scores ({error!r}); measure the run again") from error
+    if not found:
+        raise RunError(f"{path}: holds no scores; render a technique beside the reference and measure the run")
+    return found
+
+
+def read_all(runs: Iterable[Path]) -> list[Entry]:
+    """The entries of several runs; none may come twice. Raises RunError."""
+    found: dict[Key, Path] = {}
+    entries = []
+    for run in runs:
+        for entry in read_entries(run):
+            if entry.key in found:
+                raise RunError(
+                    f"{run}: {entry.technique} on {entry.sequence} is in {found[entry.key]} already; name each run once"
+                )
+            found[entry.key] = run
+            entries.append(entry)
+    if not entries:
+        raise RunError("name at least one run folder, or a scores.json file")
+    return entries
+
+
+def number(values: Mapping[str, float], name: str) -> float | None:
+    """A value by name; None where it is not there or not a number."""
+    value = values.get(name)
+    return None if value is None or not isfinite(value) else value
+
+
+def scores_path(run: Path) -> Path:
+    """The file of scores of a run folder or a study's folder; the file itself where that is given."""
+    return run if run.suffix == ".json" else run / "scores.json"
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """What a scores.json file holds. Raises RunError where it cannot be read or is of another version."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RunError(
+            f"{path}: cannot be read ({error.strerror}); measure the run first: swimlab measure {path.parent}"
+        ) from None
+    except ValueError as error:
+        raise RunError(f"{path}: is not JSON ({error}); measure the run again") from None
+    version = content.get("version") if isinstance(content, dict) else None
+    if version != VERSION:
+        raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; measure again")
+    return dict(content)
+
+
+def _hashes(path: Path, joined: str | None, names: Sequence[str]) -> dict[str, str | None]:
+    """The settings hash of each sequence: one for all, or joined with commas in the order of a study's runs."""
+    hashes: list[str | None] = list(joined.split(", ")) if joined else [None]
+    hashes = hashes * len(names) if len(hashes) == 1 else hashes
+    if len(hashes) != len(names):
+        raise RunError(f"{path}: has {len(hashes)} settings hashes for {len(names)} sequences; name the run folders")
+    return dict(zip(names, hashes, strict=True))
+
+
+def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: dict[str, Any]) -> Entry:
+    sequence = str(content["sequence"])
+    frames, curves = content.get("frames", []), content.get("curves", {})
+    folder = _folder(path.parent, sequence, digest)
+    return Entry(
+        sequence=sequence,
+        technique=str(content["technique"]),
+        scores={name: _number(value) for name, value in content["scores"].items()},
+        absent=dict(content.get("absent", {})),
+        settings=Settings(digest, _domain(provenance, content), _extent(frames, curves)),
+        frames=frames,
+        curves=curves,
+        errors={name: _number(value) for name, value in content.get("errors", {}).items()},
+        replicates=content.get("replicates", {}),
+        folder=folder,
+        provenance=provenance,
+    )
+
+
+def _domain(provenance: dict[str, Any], content: dict[str, Any]) -> str:
+    """The domain, as "linear", "display" or "display: gamma sqrt, bloom.strength 0.2"; the seed is in the hash."""
+    domain = str(provenance.get("domain", "linear"))
+    standard = dict(flat(asdict(STANDARD) | Viewing().model_dump()))
+    given = dict(flat(content.get("display", {}) | content.get("viewing", {})))
+    changed = [f"{key} {value}" for key, value in given.items() if key != "seed" and value != standard.get(key)]
+    return f"{domain}: {', '.join(changed)}" if changed else domain
+
+
+def flat(table: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys and values of nested tables, as ("bloom.strength", 0.2)."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _number(value: Any) -> float:
+    """The value as a float; NaN for null, text, booleans and infinities."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if number and isfinite(value) else float("nan")
+
+
+def _extent(frames: Sequence[dict[str, Any]], curves: dict[str, dict[str, list[Any]]]) -> str:
+    if not frames:
+        return f"{len(curves.get('scale', {}).get('scale', []))} scales"
+    numbers = [int(row["frame"]) for row in frames]
+    steps = {after - before for before, after in pairwise(numbers)}
+    if len(steps) > 1 or len(numbers) == 1:
+        return ",".join(map(str, numbers))
+    step = steps.pop()
+    return f"{numbers[0]}-{numbers[-1]}" + (f"x{step}" if step != 1 else "")
+
+
+def _folder(folder: Path, sequence: str, digest: str | None) -> Path | None:
+    """The run folder of a sequence, beside its scores or one below. Raises RunError where it holds another run."""
+    for run in (folder, folder / sequence):
+        if (run / "run.json").is_file():
+            record = Record.read(run)
+            if record.sequence.get("name") == sequence:
+                if digest is not None and record.hash != digest:
+                    raise RunError(
+                        f"{run}: was rendered again since it was measured (hash {record.hash}, scores {digest}); "
+                        f"measure it: swimlab measure {run}"
+                    )
+                return run
+    return None

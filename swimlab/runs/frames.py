@@ -1,0 +1,116 @@
+"""Frame files: RGBA pictures and geometry as EXR, through OpenImageIO, written so that none is ever half there."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swimlab.runs.files import replacing
+
+Image = NDArray[np.float32]
+
+COLOUR = ("R", "G", "B", "A")
+GEOMETRY = ("coverage", "motion.X", "motion.Y", "depth.Z")
+
+
+class FrameError(ValueError):
+    """A frame file that cannot be read or is not what was asked for; the message names the file."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What the camera sees in each pixel of a frame.
+
+    coverage: [H, W], 0..1, the fraction of the pixel that the surface covers.
+    motion: [H, W, 2], px, how far the surface seen here moved since the previous frame, +x right, +y down.
+    depth: [H, W], m along the camera axis, 0 where there is no surface.
+    """
+
+    coverage: Image
+    motion: Image
+    depth: Image
+
+
+def frame_path(run: Path, folder: str, frame: int) -> Path:
+    """The file of one frame of a technique (or of `geometry`) in a run folder."""
+    return run / folder / f"{frame:04d}.exr"
+
+
+def write_frame(path: Path, rgba: Image, *, half: bool, metadata: Mapping[str, str]) -> None:
+    """Write a picture [H, W, 4] of linear premultiplied radiance."""
+    write_channels(path, rgba, COLOUR, half=half, metadata=metadata)
+
+
+def read_frame(path: Path, *, rows: tuple[int, int] | None = None) -> Image:
+    """Read the channels R, G, B, A of a picture as [H, W, 4] linear premultiplied radiance.
+
+    rows: read rows first..end-1 alone, counted from the top. Raises FrameError where the file is missing, broken or
+    lacks a channel.
+    """
+    return read_channels(path, COLOUR, rows=rows)
+
+
+def write_geometry(path: Path, geometry: Geometry, *, metadata: Mapping[str, str]) -> None:
+    """Write coverage, motion and depth, always as 32-bit floats: a half loses .016 px at 64 px."""
+    pixels = np.concatenate([geometry.coverage[..., None], geometry.motion, geometry.depth[..., None]], axis=2)
+    write_channels(path, pixels, GEOMETRY, half=False, metadata=metadata)
+
+
+def read_geometry(path: Path) -> Geometry:
+    """Read coverage, motion and depth. Raises FrameError as `read_frame` does."""
+    pixels = read_channels(path, GEOMETRY)
+    return Geometry(coverage=pixels[..., 0], motion=pixels[..., 1:3], depth=pixels[..., 3])
+
+
+def write_channels(
+    path: Path, pixels: Image, channels: tuple[str, ...], *, half: bool, metadata: Mapping[str, str]
+) -> None:
+    """Write named channels [H, W, len(channels)] as a zip-compressed EXR: whole or not at all.
+
+    Raises FrameError where the file cannot be written.
+    """
+    import OpenImageIO as oiio  # noqa: N813
+
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, oiio.HALF if half else oiio.FLOAT)
+    spec.channelnames = channels
+    spec.attribute("compression", "zip")
+    for key, value in metadata.items():
+        spec.attribute(key, value)
+    with replacing(path) as temporary:
+        output: Any = oiio.ImageOutput.create("exr")
+        written = (
+            output.open(str(temporary), spec)
+            and output.write_image(np.ascontiguousarray(pixels, np.float32))
+            and output.close()
+        )
+        if not written:
+            raise FrameError(f"{path}: cannot be written: {output.geterror()}")
+
+
+def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int] | None = None) -> Image:
+    """Read named channels of an image file, or of some of its rows, as float32 [H, W, len(channels)].
+
+    Raises FrameError.
+    """
+    import OpenImageIO as oiio  # noqa: N813
+
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}")
+    names = list(source.spec().channelnames)
+    missing = [name for name in channels if name not in names]
+    if missing:
+        raise FrameError(f"{path}: has no channel {', '.join(missing)}; it has {', '.join(names)}")
+    if rows is None:
+        pixels = source.read_image(0, 0, 0, len(names), oiio.FLOAT)
+    else:
+        top = source.spec().y
+        pixels = source.read_scanlines(0, 0, top + rows[0], top + rows[1], 0, 0, len(names), oiio.FLOAT)
+    source.close()
+    if pixels is None:
+        raise FrameError(f"{path}: is damaged: {source.geterror()}")
+    return np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)

@@ -1,0 +1,63 @@
+"""A run folder's description of itself, run.json."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from swimlab.runs.files import write_json
+
+VERSION = 1
+"""Version of the format of run.json and scores.json."""
+
+REFERENCE = "reference"
+"""The technique that the others are measured against."""
+
+
+class RunError(ValueError):
+    """A run that cannot be had as asked; the message says why and how to mend it."""
+
+
+@dataclass
+class Record:
+    """What run.json holds.
+
+    sequence: the sequence file's content with every default and every technique's settings filled in.
+    times: per technique, the medians of the ms that a frame took to render and of the samples, texels or vertices that
+        were shaded for it, and over how many frames.
+    code: per technique from a folder of one's own, a hash of its file.
+    reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
+    """
+
+    sequence: dict[str, Any]
+    settings: dict[str, Any]
+    hash: str
+    uniform_velocity: tuple[float, float] | None
+    resizes: bool
+    provenance: dict[str, Any]
+    techniques: list[str] = field(default_factory=list)
+    frames: list[int] = field(default_factory=list)
+    times: dict[str, dict[str, float]] = field(default_factory=dict)
+    code: dict[str, str] = field(default_factory=dict)
+    reference_rms_error: dict[str, float] = field(default_factory=dict)
+
+    def write(self, run: Path) -> None:
+        """Write RUN/run.json."""
+        write_json(run / "run.json", {"version": VERSION, **vars(self)})
+
+    @staticmethod
+    def read(run: Path) -> "Record":
+        """Read RUN/run.json. Raises RunError where it is missing or not of this version."""
+        path = run / "run.json"
+        if not path.is_file():
+            raise RunError(f"{path}: is missing; name a run folder that 'swimlab render' or 'study' wrote")
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            version = content.pop("version")
+            if version != VERSION:
+                raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; render again")
+            return Record(**content)
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            if isinstance(error, RunError):
+                raise
+            raise RunError(f"{path}: is not a run description ({error}); render again with --force") from error

@@ -1,0 +1,78 @@
+"""Scores of anyone's frames."""
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from metrics import measure, quantisation
+from swimlab.footage.subject import Subject
+from swimlab.runs.provenance import provenance
+from swimlab.runs.record import VERSION
+from swimlab.scoring.peer import all_peer_scores
+
+
+def measure_subject(
+    subject: Subject,
+    *,
+    peers: Sequence[str] = (),
+    command: str = "",
+    advance: Callable[[int, int], None] | None = None,
+) -> dict[str, Any]:
+    """Measure frames and return scores in the form of scores.json.
+
+    advance: called with frames done and frames in all. Raises FrameError and ClipError naming the frame that is bad.
+    """
+    request = subject.request
+    clip, reference = subject.clips()
+    found = measure(clip, reference, domain=request.domain, display=request.display, progress=advance)
+    found.scores |= all_peer_scores(peers, clip, reference)
+    floors = subject.test.quantisation(subject.sampled(), request.domain, request.display)
+    found.merge(quantisation(floors, len(subject.kept)))
+    floor = found.scores.get("quantisation.floor")
+    if floor is not None:
+        text = f"{subject.test.stored_as} codes: quantisation alone makes a flicker of {np.sqrt(floor):.2g} rms"
+        subject.note(text)
+    for note in found.notes:
+        subject.note(note)
+    numbers = [subject.test.reader.numbers[index] for index in subject.kept]
+    entry = {
+        "sequence": subject.name,
+        "technique": "test",
+        "motion": subject.motion_kind,
+        **vars(found),
+        "frames": [{**row, "frame": numbers[row["frame"]]} for row in found.frames],
+        "notes": subject.notes,
+        **({"display": asdict(request.display)} if request.domain == "display" else {}),
+    }
+    settings = _settings(subject)
+    digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
+    about = {**provenance(command), "domain": request.domain, "hash": digest, "settings": settings}
+    return {"version": VERSION, "provenance": about, "sequences": [entry]}
+
+
+def _settings(subject: Subject) -> dict[str, Any]:
+    """All that decides the scores but for the pixels, and for the display, which stands with the scores."""
+    request = subject.request
+    chosen = asdict(request)
+    for part_of_command in ("test", "reference", "mask", "unverified", "display"):
+        chosen.pop(part_of_command)
+    height, width = subject.test.shape
+    chosen["motion"] = request.motion if subject.motion_kind == "uniform" else subject.motion_kind
+    if subject.motion_kind != "fields":
+        chosen.pop("convention")
+    return {
+        **chosen,
+        "fps": subject.fps,
+        "size": [width, height],
+        "count": len(subject.kept),
+        "channels": list(subject.test.channels),
+        "stored_as": subject.test.stored_as,
+        "colour_space": subject.test.space,
+        "reference": request.reference is not None,
+        "mask": request.mask is not None,
+        "unverified": request.unverified,
+    }

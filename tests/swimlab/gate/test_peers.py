@@ -1,0 +1,83 @@
+"""Peers: known values where they are installed, clear errors where they are not."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+from metrics import Clip, ClipError
+from swimlab.scoring.peer import PeerError, peer_scores, peers
+
+needs_flip = pytest.mark.skipif(
+    importlib.util.find_spec("flip_evaluator") is None, reason="flip-evaluator is not installed: extra 'flip'"
+)
+needs_vdp = pytest.mark.skipif(
+    importlib.util.find_spec("pycvvdp") is None, reason="cvvdp is not installed: extra 'vdp'"
+)
+FLIPS = [pytest.param("flip", marks=needs_flip), "flip-oiio"]
+COLOURS = {"black": (0, 0, 0), "white": (1, 1, 1), "red": (1, 0, 0), "green": (0, 1, 0), "blue": (0, 0, 1)}
+
+
+def uniform(colour: str, count: int = 2) -> Clip:
+    picture = np.broadcast_to(np.float32(COLOURS[colour]), (64, 64, 3))
+    return Clip(lambda _: picture, count, pixels_per_degree=67.02064514160156)
+
+
+@pytest.mark.parametrize("peer", FLIPS)
+@pytest.mark.parametrize(
+    ("test", "reference", "value"), [("green", "blue", 1.0), ("black", "white", 0.967345), ("red", "green", 0.986630)]
+)
+def test_flip_of_uniform_colours_is_as_published(peer, test, reference, value, tolerance):
+    found = peer_scores(peer, uniform(test), uniform(reference))
+    assert found == pytest.approx({f"{peer}.mean": value, f"{peer}.worst": value}, abs=tolerance("published FLIP"))
+
+
+@pytest.mark.parametrize("peer", FLIPS)
+def test_equal_clips_have_no_difference(peer):
+    assert peer_scores(peer, uniform("red"), uniform("red")) == {f"{peer}.mean": 0.0, f"{peer}.worst": 0.0}
+
+
+@needs_flip
+def test_both_implementations_of_flip_agree(tolerance):
+    noise = np.random.default_rng(0).random((2, 48, 64, 3), np.float32)
+    test, reference = (Clip(lambda _, each=each: each, 1) for each in noise)
+    one, other = (peer_scores(peer, test, reference)[f"{peer}.mean"] for peer in ("flip", "flip-oiio"))
+    assert one == pytest.approx(other, abs=tolerance("two FLIPs"))
+
+
+@needs_vdp
+def test_equal_clips_are_of_the_best_quality():
+    assert peer_scores("vdp", uniform("red", 8), uniform("red", 8)) == {"vdp.jod": 10.0}
+
+
+@pytest.mark.parametrize("peer", peers())
+def test_what_is_not_installed_says_how_to_install_it(peer, monkeypatch):
+    extra = peers()[peer].extra
+    if extra:
+        for module in ("flip_evaluator", "pycvvdp"):
+            monkeypatch.setitem(__import__("sys").modules, module, None)
+        with pytest.raises(PeerError, match=rf"pip install 'swimlab\[{extra}\]'"):
+            peer_scores(peer, uniform("red"), uniform("red"))
+    else:
+        assert peer_scores(peer, uniform("red"), uniform("red"))
+
+
+def test_unknown_peers_are_refused():
+    with pytest.raises(PeerError, match="--peers flop: there are flip, flip-oiio, vdp"):
+        peer_scores("flop", uniform("red"), uniform("red"))
+
+
+def test_clips_have_to_match():
+    with pytest.raises(ClipError, match="as many frames"):
+        peer_scores("flip-oiio", uniform("red", 2), uniform("red", 3))
+
+
+def test_an_evaluator_that_exits_becomes_an_error(monkeypatch):
+    class Exits:
+        @staticmethod
+        def evaluate(*_, **__):
+            raise SystemExit(1)
+
+    monkeypatch.setitem(__import__("sys").modules, "flip_evaluator", Exits)
+    with pytest.raises(PeerError, match="gave up"):
+        peer_scores("flip", uniform("red"), uniform("red"))

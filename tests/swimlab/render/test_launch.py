@@ -1,0 +1,112 @@
+"""The launcher: threads never change a bit, and the kernel cache falls back."""
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from metrics.kernels.launch import Launcher
+from sequences import load
+from swimlab.render.catalogue import techniques
+from swimlab.render.geometry import describe_geometry
+from swimlab.render.shot import Shot
+
+TALL = load("road-shift").with_changes(size=(40, 104))
+
+
+@pytest.fixture(scope="module")
+def launchers():
+    opened = [Launcher(threads=threads) for threads in (1, 2, 3)]
+    yield opened
+    for launcher in opened:
+        launcher.close()
+
+
+def rendered(shoot, launchers, name, frame=1):
+    """Every array of a technique's picture (or of the geometry), once for each launcher."""
+    base = shoot(TALL, frame)
+    for launcher in launchers:
+        shot = Shot(base.sequence, frame, base.material, base.model, base.samples, launcher)
+        if name == "geometry":
+            geometry = describe_geometry(shot)
+            yield [geometry.coverage, geometry.motion, geometry.depth]
+            continue
+        technique = techniques()[name]
+        given = {"size": 64} if name == "tsl" else {}
+        picture = technique.render(shot, technique.settings(**given))
+        yield [np.asarray(each) for each in picture if each is not None]
+
+
+@pytest.mark.parametrize("name", [*techniques(), "geometry"])
+def test_threads_do_not_change_a_bit(shoot, launchers, name):
+    one, *others = rendered(shoot, launchers, name)
+    assert one[0].any()
+    for other in others:
+        assert [each.tobytes() for each in other] == [each.tobytes() for each in one]
+
+
+@settings(derandomize=True)
+@given(rows=st.integers(1, 2000))
+def test_strips_partition_the_rows(launcher, rows):
+    strips = launcher.strips(rows)
+    covered = [row for strip in strips for row in range(strip.first, strip.first + strip.rows)]
+    assert covered == list(range(rows))
+
+
+def test_every_item_is_worked_on_once(launcher):
+    done, lock = [], threading.Lock()
+
+    def body(item):
+        with lock:
+            done.append(item)
+
+    launcher.each(range(50), body)
+    assert sorted(done) == list(range(50))
+
+
+def test_an_error_in_a_thread_is_raised(launcher):
+    def body(item):
+        if item == 3:
+            raise RuntimeError("item 3")
+
+    with pytest.raises(RuntimeError, match="item 3"):
+        launcher.each(range(8), body)
+
+
+def test_an_unknown_device_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"cuda:99: not on this machine; it has .*cpu"):
+        Launcher(device="cuda:99")
+
+
+@pytest.mark.parametrize("variable", ["HOME", "XDG_CACHE_HOME", "WARP_CACHE_PATH"])
+def test_an_unwritable_cache_falls_back_with_a_warning(tmp_path, variable):
+    """A path under a regular file cannot be made by anyone, root included."""
+    file = tmp_path / "file"
+    file.write_text("")
+    kept = {key: value for key, value in os.environ.items() if key not in ("WARP_CACHE_PATH", "XDG_CACHE_HOME")}
+    spare = tmp_path / "spare"
+    spare.mkdir()
+    result = subprocess.run(
+        [sys.executable, "-c", "from metrics.kernels.launch import start_warp; print(start_warp())"],
+        env=kept | {variable: str(file / "cache"), "TMPDIR": str(spare)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    folder = Path(result.stdout.strip())
+    assert folder.parent == spare
+    assert folder.is_dir()
+    assert f"kernel cache {file}" in result.stderr
+    assert f"cannot be written; using {folder}" in result.stderr
+
+
+def test_the_result_of_one_thread_is_not_all_zero(shoot, launchers):
+    (rgba, *_), *_ = rendered(shoot, launchers[:1], "pixel-point")
+    assert np.isfinite(rgba).all()
+    assert rgba[..., :3].max() > 0

@@ -1,0 +1,175 @@
+"""Texture-space lighting."""
+
+import numpy as np
+import pytest
+from oracle import Oracle
+from pydantic import ValidationError
+
+import swimlab.render.target
+from sequences import load
+from swimlab.render.techniques import tsl
+
+SHORT = load("road-shift").with_changes(
+    size=(96, 54),
+    scene={"road": {"width": 8.0, "segment": 8.0, "length": 21.3}},
+    camera={"height": 2.0, "pitch": -14.0, "distance": 3.3},
+)
+
+
+def matte(albedo):
+    """Maps [h, w, 8] of an albedo [h, w, 3] with flat normals and no highlight."""
+    rest = np.broadcast_to([0.0, 0.0, 1.0, 0.0, 0.0], (*albedo.shape[:2], 5))
+    return np.concatenate([albedo, rest], axis=2).astype(np.float32)
+
+
+LEAN_TSL = [
+    {"size": 16},
+    {"size": 64},
+    {"size": 256},
+    {"size": 256, "texels": "visible"},
+    {"size": 256, "texels": "needed"},
+    {"size": 256, "sizes": "fitted"},
+    {"size": 256, "sizes": "fitted", "texels": "needed", "coarser": 1, "inputs": "vmf"},
+]
+
+
+@pytest.mark.parametrize("given", LEAN_TSL)
+@pytest.mark.parametrize("view", ["ahead", "sideways", "behind"])
+def test_a_uniform_road_is_uniform_to_its_last_pixel(shoot, render, pack_maps, tolerance, given, view):
+    """The first and last segments are cut: without the division by alpha their ends would fade to black."""
+    turned = {"ahead": {}, "sideways": {"yaw": 70.0}, "behind": {"yaw": 180.0, "pitch": -10.0}}[view]
+    sequence = SHORT.with_changes(camera=SHORT.camera.model_dump() | turned)
+    colour = np.array([0.3, 0.5, 0.7])
+    shot = shoot(sequence, 0, pack_maps(matte(np.broadcast_to(colour, (64, 64, 3)))))
+    rgba = render(shot, "tsl", **given).rgba
+    hit = Oracle(sequence, np.zeros((1, 1, 8)), 0).surface(*Oracle(sequence, None, 0).centres())[0]
+    assert np.array_equal(rgba[..., 3] == 1, hit)
+    assert hit.any(axis=1).sum() > 10
+    sun = sequence.scene.sun
+    exact = colour * np.sin(np.radians(sun.elevation)) * sun.diffuse
+    assert rgba[hit][:, :3] == pytest.approx(np.broadcast_to(exact, (hit.sum(), 3)), rel=tolerance("constant light"))
+
+
+@pytest.mark.parametrize("given", LEAN_TSL)
+@pytest.mark.parametrize("name", ["road-sliver", "road-hills"])
+def test_narrow_charts_leave_no_fringe(shoot, render, pack_maps, tolerance, given, name):
+    """Wires are charts of a texel and less, hills lose the triangles that face away: no pixel is left dark or bright.
+
+    All there is to light is a constant highlight-free white under a sun from straight above a flat normal.
+    """
+    sequence = load(name).with_changes(size=(96, 54))
+    scene = sequence.scene.model_dump() | {"sun": {"elevation": 90.0, "diffuse": 1.0}}
+    flat = sequence.with_changes(scene=scene)
+    shot = shoot(flat, 3, pack_maps(matte(np.ones((64, 64, 3)))))
+    rgba, exact = (render(shot, each, **(given if each == "tsl" else {})).rgba for each in ("tsl", "pixel-point"))
+    assert np.array_equal(rgba[..., 3], exact[..., 3])
+    assert exact[..., :3].max() > 0.9
+    # Hills shade with their slope: between texels of a coarse target it changes.
+    limit = tolerance("constant light" if name == "road-sliver" else "light on a coarse target of hills")
+    assert np.abs(rgba - exact).max() <= limit
+
+
+def test_linear_light_needs_no_order(shoot, render, pack_maps, maps, tolerance):
+    """Diffuse and flat: shading is linear, so that filtering its inputs is filtering its result."""
+    chain = pack_maps(matte(maps[..., :3]))
+    sequence = SHORT.with_changes(camera=SHORT.camera.model_dump() | {"distance": 0.0})
+    shot = shoot(sequence, 0, chain)
+    lit, filtered = (render(shot, name, **given).rgba for name, given in (("tsl", {"size": 64}), ("pixel-aniso", {})))
+    oracle = Oracle(sequence, maps, 0)
+    hit, _, uv, dx, dy = oracle.surface(*oracle.centres())
+    # Away from the borders of segments, where targets are clamped and maps repeat.
+    reach = np.linalg.norm(dx, axis=-1) + np.linalg.norm(dy, axis=-1) + 1 / 16
+    place = np.abs(uv - np.floor(uv) - 0.5).max(axis=-1)
+    inner = hit & (place + reach < 0.5)
+    assert inner.sum() > 500
+    assert lit[inner] == pytest.approx(filtered[inner], rel=tolerance("linear light"))
+
+
+def test_only_segments_in_sight_are_lit(shoot, render, maps, monkeypatch):
+    lit = []
+    in_texture = swimlab.render.target.in_texture
+
+    def counted(launcher, mesh, segment, texel):
+        lit.append(segment)
+        return in_texture(launcher, mesh, segment, texel)
+
+    monkeypatch.setattr(swimlab.render.target, "in_texture", counted)
+    sequence = SHORT.with_changes(camera={"pitch": -30.0, "yaw": 20.0, "distance": 100.0})
+    render(shoot(sequence), "tsl", size=16)
+    oracle = Oracle(sequence, maps, 0)
+    hit, _, uv, _, _ = oracle.surface(*oracle.centres())
+    assert sorted(lit) == np.unique(np.floor(uv[..., 1][hit])).tolist()
+    assert len(lit) < 4
+
+
+@pytest.mark.parametrize("size", [16, 32, 256, 1024])
+@pytest.mark.parametrize("anisotropy", [1, 16])
+def test_visible_tiles_give_the_decks_image(shoot, render, size, anisotropy):
+    """To the bit: what is not shaded is not read."""
+    shot = shoot(SHORT.with_changes(camera={"pitch": -12.0, "yaw": 50.0, "distance": 3.3}))
+    everything = render(shot, "tsl", size=size, anisotropy=anisotropy)
+    visible = render(shot, "tsl", size=size, anisotropy=anisotropy, texels="visible")
+    assert np.array_equal(visible.rgba, everything.rgba)
+    assert visible.shaded <= everything.shaded
+    if size >= 256:
+        assert visible.shaded < 0.8 * everything.shaded
+
+
+@pytest.mark.parametrize("inputs", ["box", "toksvig", "vmf", "clean", "lean"])
+def test_fewer_texels_cost_little_error(shoot, render, tolerance, inputs):
+    """Texels at the level that footprints need: many fewer, and an error near that of all with the same inputs."""
+    shot = shoot(SHORT.with_changes(scene={}), samples=256)
+    truth = render(shot, "reference").rgba
+    covered = truth[..., 3] == 1
+    full = render(shot, "tsl", size=256)
+    needed = render(shot, "tsl", size=256, inputs=inputs, texels="needed")
+    fitted = render(shot, "tsl", size=256, inputs=inputs, sizes="fitted")
+    errors = [np.sqrt(np.mean((picture.rgba - truth)[covered] ** 2)) for picture in (full, needed, fitted)]
+    assert needed.shaded < full.shaded / 4
+    assert fitted.shaded < full.shaded / 2
+    assert errors[1] < tolerance("error of needed texels") * errors[0]
+    assert errors[2] < tolerance("error of needed texels") * errors[0]
+
+
+def test_what_is_shaded_is_counted(shoot, render):
+    """A whole segment of a flat road has all of its target's texels; the cut ones have their share."""
+    sequence = SHORT.with_changes(
+        scene={"road": {"segment": 8.0, "length": 24.0}}, camera={"pitch": -14.0, "distance": 0.0}
+    )
+    assert render(shoot(sequence), "tsl", size=64).shaded == 3 * 64 * 64
+    shorter = sequence.with_changes(scene={"road": {"segment": 8.0, "length": 20.0}})
+    assert render(shoot(shorter), "tsl", size=64).shaded == 2.5 * 64 * 64
+
+
+def test_a_view_without_road_is_empty(shoot, render):
+    sequence = SHORT.with_changes(camera={"pitch": 60.0})
+    assert not render(shoot(sequence), "tsl", size=16).rgba.any()
+
+
+def test_finer_targets_come_nearer_to_the_truth(shoot, render):
+    shot = shoot(SHORT, samples=64)
+    truth = render(shot, "reference").rgba
+    covered = truth[..., 3] == 1
+    errors = [np.sqrt(np.mean((render(shot, "tsl", size=size).rgba - truth)[covered] ** 2)) for size in (16, 64, 256)]
+    assert errors[0] > errors[1] > errors[2]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"size": 100}, "power of two, as 64 or 128"),
+        ({"size": 8}, "greater than or equal to 16"),
+        ({"size": 16384}, "less than or equal to 8192"),
+        ({"size": 64.5}, "integer"),
+        ({"anisotropy": 0}, "greater than or equal to 1"),
+        ({"anisotropy": 65}, "less than or equal to 64"),
+        ({"sise": 64}, "Extra inputs"),
+        ({"inputs": "mean"}, "'box', 'toksvig', 'vmf', 'clean' or 'lean'"),
+        ({"texels": "few"}, "'all', 'visible' or 'needed'"),
+        ({"sizes": "auto"}, "'fixed' or 'fitted'"),
+        ({"coarser": 9}, "less than or equal to 4"),
+    ],
+)
+def test_settings_are_checked(given, message):
+    with pytest.raises(ValidationError, match=message):
+        tsl.TslSettings(**given)
