@@ -78,13 +78,18 @@ class Clip:
         precision = np.float64 if raw.dtype.itemsize > 4 else np.float32
         return np.ascontiguousarray(np.moveaxis(raw, 2, 0), dtype=precision)
 
-    def covered(self, t: int) -> NDArray[np.bool_] | None:
-        """[H, W], true where a surface covers the whole pixel of frame t; None if there is no mask."""
+    def share(self, t: int) -> Image | None:
+        """[H, W], how much of each pixel of frame t a surface covers, 0..1; None if there is no mask."""
         if self.coverage is None:
             return None
         share = np.asarray(self.coverage(t))
         self._check(share, "coverage of frame", t)
-        return np.asarray(share >= 1 - 1e-6)
+        return share
+
+    def covered(self, t: int) -> NDArray[np.bool_] | None:
+        """[H, W], true where a surface covers the whole pixel of frame t; None if there is no mask."""
+        share = self.share(t)
+        return None if share is None else np.asarray(share >= 1 - 1e-6)
 
     def moved(self, t: int) -> NDArray[np.float64]:
         """[H, W, 2] px since frame t - 1; 0 where frame t is not covered. Raises ClipError as `image` does."""

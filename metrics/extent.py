@@ -6,9 +6,6 @@ from metrics.spectra import Batch
 from metrics.tiles import Level
 
 SCORES = {
-    "measured.fraction": Metric(
-        "1", "information", "share of the frame that tiles weigh", "mean over spans of min(sum w^2, 1)"
-    ),
     "covered.fraction": Metric("1", "information", "share of wholly covered pixels", "mean over frames"),
 }
 
@@ -18,7 +15,6 @@ class Extent:
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._measured = 0.0
         self._covered = 0.0
 
     def held(self, level: Level) -> float:
@@ -28,7 +24,6 @@ class Extent:
     def begin(self, span: Span) -> None:
         if span.part > 0:
             return
-        self._measured += span.measured * span.count
         self._covered += span.covered * span.count
 
     def add(self, batch: Batch) -> None:
@@ -40,7 +35,6 @@ class Extent:
     def finish(self) -> Measurement:
         return Measurement(
             scores={
-                "measured.fraction": self._measured / self._context.count,
                 "covered.fraction": self._covered / self._context.count,
             },
             errors=dict.fromkeys(SCORES, 0.0),

@@ -79,7 +79,10 @@ class Measurement:
         self.absent |= other.absent
         self.errors |= other.errors
         self.replicates |= other.replicates
-        self.frames += other.frames
+        rows = {row["frame"]: row for row in self.frames}
+        for row in other.frames:
+            rows.setdefault(row["frame"], {}).update(row)
+        self.frames = [rows[frame] for frame in sorted(rows)]
         self.curves |= other.curves
         self.notes += other.notes
 

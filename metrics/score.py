@@ -6,14 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
-from metrics.clip import Clip, ClipError, FrameSource
+from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
+from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
 from metrics.spans import Alignment, Span, align
 from metrics.spectra import Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import SIZES
 from metrics.truth import Truth
+from metrics.whole_frame import SCORES as WHOLE_FRAME
+from metrics.whole_frame import WholeFrame
 
 # A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
 TRAVEL = 25.0
@@ -75,18 +78,29 @@ def measure(
         pixels_per_degree=test.pixels_per_degree if domain == "linear" else None,
         luminance=test.luminance,
     )
+    every_pixel = any(registry.wanted(name, names) for name in WHOLE_FRAME)
     measures = [measure_type(context) for measure_type in registry.measures(names)]
 
     def read(span: Span, t: int) -> Pictures:
         picture = to_domain(test.planes(t), domain, display, t)
         return Pictures(span.align(picture, t)) if truth is None else truth.against(span, picture, t)
 
+    def error(t: int) -> Image:
+        picture = to_domain(test.planes(t), domain, display, t)
+        return np.moveaxis(truth.off(picture, t), 0, 2) if truth is not None else picture
+
     notes = []
     longest = 0
     pictures = 1 + context.has_reference + context.has_floor
-    with Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep:
+    with (
+        Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep,
+        Launcher(threads=threads) as launcher,
+    ):
+        whole = WholeFrame(geometry, error if truth is not None else None, launcher)
         for span in alignment.spans:
             sweep.run(span, lambda done: progress and progress(done, test.count))
+            if every_pixel:
+                whole.add(span)
             longest = max(longest, span.count)
             if not span.levels:
                 notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
@@ -95,6 +109,8 @@ def measure(
     found = Measurement(notes=notes + _travel_note(steps))
     for each in measures:
         found.merge(each.finish())
+    if every_pixel:
+        found.merge(whole.finish())
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}

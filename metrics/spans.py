@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from metrics import bands
 from metrics.clip import Clip
-from metrics.tiles import Level, Offset, lay
+from metrics.tiles import Level, Mask, Offset, lay
 
 if TYPE_CHECKING:
     from metrics.correspondence import Correspondence, Places
@@ -35,6 +35,9 @@ SHORTEST = 16
 SHORTEST_TRAVEL = 50.0
 LITTLE = 1 / 3
 
+# A pixel counts as measured where the squared windows of tiles sum to this.
+HALF = 0.5
+
 ROOM = 256e6
 """Bytes that the correspondences of a clip may take."""
 
@@ -52,6 +55,7 @@ class Span:
     bands: for every level the band of distance [n] of each tile; None without depth.
     part: which part of the span's tiles these are.
     rows: rows of the anchor frame that pictures are aligned for.
+    reached: [H, W], the pixels of the anchor frame that tiles weigh by one half or more.
     """
 
     start: int
@@ -64,6 +68,7 @@ class Span:
     covered: float
     bands: list[NDArray[np.intp]] | None = field(repr=False)
     rows: slice
+    reached: Mask = field(repr=False)
     correspondence: "Correspondence | None" = field(default=None, repr=False)
     glued: "Glued | None" = field(default=None, repr=False)
     part: int = 0
@@ -189,6 +194,7 @@ def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, 
         covered=1.0 if covered is None else float(covered.mean()),
         bands=tile_bands,
         rows=slice(0, clip.shape[0]),
+        reached=weight >= HALF,
         correspondence=correspondence,
         glued=glued,
     )

@@ -45,6 +45,10 @@ class Truth:
         seen = span.align(test, t)
         return Pictures(seen, seen - exact, half)
 
+    def off(self, test: Image, t: int) -> Image:
+        """What frame t of a test [3, H, W], in the domain, is off by, as it lies on the screen."""
+        return test - self._hold(t, lambda: self._planes(t))[0]
+
     def _aligned(self, span: Span, t: int) -> Exact:
         exact, half = self._planes(t)
         return span.align(exact, t), None if half is None else span.align(half, t)
