@@ -183,7 +183,7 @@ def surface_of(clip: Clip, t: int) -> Surface:
     share = clip.share(t)
     covered = np.ones(clip.shape, dtype=bool) if share is None else share > 0
     if not callable(clip.motion):
-        return Surface(covered, np.broadcast_to(np.float32(clip.motion), (*clip.shape, 2)).copy(), known=True)
+        return Surface(covered, np.broadcast_to(np.asarray(clip.motion, np.float32), (*clip.shape, 2)).copy(), known=True)
     motion = np.nan_to_num(np.asarray(clip.motion(t), dtype=np.float32))
     depth = clip.distance(t)
     if depth is not None:
@@ -231,11 +231,11 @@ def pair_flicker(pairs: Field, inside: Mask) -> NDArray[np.float64]:
     difference, smooth, energy = (np.where(inside, pairs[..., k], 0.0).astype(np.float64) for k in (1, 2, 3))
     half, lost, total = difference.sum() / 2, energy.sum() - smooth.sum(), energy.sum()
     if half <= 0 or total <= 0:
-        return difference / 2
+        return np.asarray(difference / 2)
     share = lost / (2 * total)
     mended = half / (1 - share)
     mended = mended if mended < total else half + lost / 2
-    return difference / 2 * max(1.0, mended / half)
+    return np.asarray(difference / 2 * max(1.0, mended / half))
 
 
 def reached_pixels(span: Span) -> Iterator[tuple[int, Mask]]:
