@@ -1,6 +1,6 @@
 """Measure a clip: one pass over the frames feeds every measure."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from metrics.whole_frame import WholeFrame
 
 # A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
 TRAVEL = 25.0
+
+HALF_THE_PICTURE = 0.5
+"""Below this share of measured pixels there is a note."""
 
 MEMORY = 1.2e9
 """Bytes that measuring may take, if nothing else is said."""
@@ -111,6 +114,7 @@ def measure(
         found.merge(each.finish())
     if every_pixel:
         found.merge(whole.finish())
+    found.notes += _extent_note(found.scores)
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}
@@ -151,6 +155,17 @@ def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, flo
     mean = steps[1:].mean(axis=0)
     strayed = np.cumsum(steps[1:] - mean, axis=0)
     return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
+
+
+def _extent_note(scores: Mapping[str, float]) -> list[str]:
+    """A warning where the budget speaks for less than half of the picture."""
+    share = scores.get("measured.fraction", 1.0)
+    if share >= HALF_THE_PICTURE:
+        return []
+    return [
+        f"tiles reach {share:.0%} of the picture, and budget, residual and plane speak of these pixels alone; "
+        f"edges.* ({scores['edges.fraction']:.0%}) and new.* ({scores['new.fraction']:.0%}) speak of the rest"
+    ]
 
 
 def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:

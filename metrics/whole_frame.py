@@ -170,6 +170,9 @@ class WholeFrame:
         if not weights.sum() > 0:
             found.put(score, None, reason)
             return
+        if score.endswith((".fraction", ".floor")):  # of geometry alone, no chance in it
+            found.put(score, self._blocks[part].sum() / weights.sum(), "", error=0.0)
+            return
         ratios = Ratios()
         ratios.add(BLOCK, weights, {part: self._blocks[part]})
         found.put(score, ratios.value(part), "", error=ratios.error(part) or 0.0, replicates=ratios.replicates(part))
@@ -183,7 +186,8 @@ def surface_of(clip: Clip, t: int) -> Surface:
     share = clip.share(t)
     covered = np.ones(clip.shape, dtype=bool) if share is None else share > 0
     if not callable(clip.motion):
-        return Surface(covered, np.broadcast_to(np.asarray(clip.motion, np.float32), (*clip.shape, 2)).copy(), known=True)
+        motion = np.broadcast_to(np.asarray(clip.motion, np.float32), (*clip.shape, 2))
+        return Surface(covered, motion, known=True)
     motion = np.nan_to_num(np.asarray(clip.motion(t), dtype=np.float32))
     depth = clip.distance(t)
     if depth is not None:
@@ -243,8 +247,9 @@ def reached_pixels(span: Span) -> Iterator[tuple[int, Mask]]:
     if span.correspondence is None:
         for t, offset in zip(range(span.start, span.stop), span.offsets, strict=True):
             moved = np.zeros_like(span.reached)
-            down, right = (round(each) for each in offset)
             height, width = span.shape
+            down = min(max(round(offset[0]), -height), height)
+            right = min(max(round(offset[1]), -width), width)
             to = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
             of = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
             moved[to] = span.reached[of]
