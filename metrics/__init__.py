@@ -6,11 +6,11 @@ from metrics.display import Display
 from metrics.measurement import Measurement, Metric
 from metrics.quantisation import quantisation
 from metrics.ratios import resolved
+from metrics.reference_frames import ReferenceFrames
 from metrics.registry import METRICS
 from metrics.scale import measure_scales
 from metrics.score import measure
 from metrics.spans import Alignment, align
-from metrics.truth import Truth
 
 __all__ = [
     "METRICS",
@@ -21,7 +21,7 @@ __all__ = [
     "Display",
     "Measurement",
     "Metric",
-    "Truth",
+    "ReferenceFrames",
     "align",
     "measure",
     "measure_scales",

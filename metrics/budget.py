@@ -19,8 +19,9 @@ from metrics.measurement import Context, Measurement, Metric
 from metrics.parts import pieces
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import OCTAVES, Batch, Energy, RunningMean, energy, octave_sum
+from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
+from metrics.transform import OCTAVES, Energy, energy, octave_sum
 
 CUT = 1 / 16
 """Cycles/px at which detail begins; an octave begins there too."""

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from metrics.clip import Clip
 from metrics.correspondence import Correspondence, glue, unwarp
-from metrics.spectra import Energy, TileTransform, energy
 from metrics.synthetic import texture
 from metrics.tiles import Level
+from metrics.transform import Energy, TileTransform, energy
 
 LIMIT = 1 / 8
 """The pattern's highest frequency in the anchor frame, cycles/px: a quarter of the pixel Nyquist."""

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
-from metrics.spectra import Batch, Picture, squares
+from metrics.spectra import Batch
 from metrics.tiles import Level, window
+from metrics.transform import Picture, squares
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""

@@ -22,8 +22,9 @@ from metrics.motion_slice import MotionSlice
 from metrics.orders import RAISED, Order, Orders, rank, separate
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import Batch, energy
+from metrics.spectra import Batch
 from metrics.tiles import Level
+from metrics.transform import energy
 
 Complex = NDArray[np.complex128]
 

@@ -3,27 +3,23 @@
 A measure's file defines SCORES (name -> Metric) and, if it works on the tiles of a clip, MEASURE (a class).
 """
 
-import importlib
-import pkgutil
 from collections.abc import Iterable
+from pathlib import Path
 from types import ModuleType
 
-import metrics
 from metrics.measurement import Measure, Metric
+from metrics.plugins import modules
 
 
 def _modules() -> list[ModuleType]:
     """The package's modules that define scores, by name."""
-    names = sorted(found.name for found in pkgutil.iter_modules(metrics.__path__) if not found.name.startswith("_"))
-    skipped = {__name__.rpartition(".")[2], "correspondence"}
-    modules = (importlib.import_module(f"metrics.{name}") for name in names if name not in skipped)
-    return [module for module in modules if hasattr(module, "SCORES")]
+    return [module for module in modules("metrics", [str(Path(__file__).parent)]) if hasattr(module, "SCORES")]
 
 
-def collect(modules: Iterable[ModuleType]) -> dict[str, Metric]:
+def collect(found_in: Iterable[ModuleType]) -> dict[str, Metric]:
     """Scores of all modules by name, sorted. Raises ValueError if two modules define the same name."""
     found: dict[str, tuple[Metric, str]] = {}
-    for module in modules:
+    for module in found_in:
         for name, metric in module.SCORES.items():
             if name in found:
                 raise ValueError(f"score {name} is defined in {found[name][1]} and in {module.__name__}")

@@ -10,11 +10,11 @@ from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
+from metrics.reference_frames import ReferenceFrames
 from metrics.spans import Alignment, Span, align
 from metrics.spectra import Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import SIZES
-from metrics.truth import Truth
 from metrics.whole_frame import SCORES as WHOLE_FRAME
 from metrics.whole_frame import WholeFrame
 
@@ -32,7 +32,7 @@ Progress = Callable[[int, int], None]
 
 def measure(
     test: Clip,
-    reference: Clip | Truth | None = None,
+    reference: Clip | ReferenceFrames | None = None,
     *,
     domain: Domain = "linear",
     display: Display = STANDARD,
@@ -46,8 +46,8 @@ def measure(
     """Measure a test clip, against a reference if there is one.
 
     Motion, coverage and depth are the test's; where it has no coverage or depth, the reference's.
-    reference: a clip; or a `Truth` of the same domain and display, which several tests share and which knows its own
-        reference_error.
+    reference: a clip; or `ReferenceFrames` of the same domain and display, which several tests share and which know
+        their own reference_error.
     domain: "linear" radiance, or "display": codes in 0..1 as `display` makes them, of both clips.
     reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
         (A + B)/2 is the reference.
@@ -61,20 +61,22 @@ def measure(
     measured and ValueError for an unknown name.
     """
     registry.check_names(names)
-    truth = reference if isinstance(reference, Truth) else None
+    exact = reference if isinstance(reference, ReferenceFrames) else None
     if isinstance(reference, Clip):
-        truth = Truth(reference, error=reference_error, domain=domain, display=display)
+        exact = ReferenceFrames(reference, error=reference_error, domain=domain, display=display)
     elif reference_error is not None:
-        raise ValueError("reference_error: needs a clip as reference; without one leave it out, a Truth has its own")
-    if truth is not None and (truth.domain, truth.display) != (domain, display):
-        raise ValueError(f"the test is measured in the domain {domain}, the truth is of another domain or display")
-    geometry = _geometry(test, truth.reference if truth else None)
+        raise ValueError(
+            "reference_error: needs a clip as reference; leave it out; ReferenceFrames have their own"
+        )
+    if exact is not None and (exact.domain, exact.display) != (domain, display):
+        raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
+    geometry = _geometry(test, exact.reference if exact else None)
     alignment = alignment or align(geometry, keep=False, room=memory / 4)
     steps = alignment.steps
     context = Context(
         count=test.count,
-        has_reference=truth is not None,
-        has_floor=truth is not None and truth.has_floor,
+        has_reference=exact is not None,
+        has_floor=exact is not None and exact.has_floor,
         has_depth=geometry.depth is not None,
         velocity=_velocity(geometry, steps),
         fps=test.fps,
@@ -86,11 +88,11 @@ def measure(
 
     def read(span: Span, t: int) -> Pictures:
         picture = to_domain(test.planes(t), domain, display, t)
-        return Pictures(span.align(picture, t)) if truth is None else truth.against(span, picture, t)
+        return Pictures(span.align(picture, t)) if exact is None else exact.against(span, picture, t)
 
     def error(t: int) -> Image:
         picture = to_domain(test.planes(t), domain, display, t)
-        return np.moveaxis(truth.off(picture, t), 0, 2) if truth is not None else picture
+        return np.moveaxis(exact.off(picture, t), 0, 2) if exact is not None else picture
 
     notes = []
     longest = 0
@@ -99,7 +101,7 @@ def measure(
         Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep,
         Launcher(threads=threads) as launcher,
     ):
-        whole = WholeFrame(geometry, error if truth is not None else None, launcher)
+        whole = WholeFrame(geometry, error if exact is not None else None, launcher)
         for span in alignment.spans:
             sweep.run(span, lambda done: progress and progress(done, test.count))
             if every_pixel:

@@ -4,18 +4,16 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metrics import bands
 from metrics.clip import Clip
+from metrics.correspondence import Correspondence, Places, unwarp
+from metrics.glued import Glued
 from metrics.tiles import Level, Mask, Offset, lay
-
-if TYPE_CHECKING:
-    from metrics.correspondence import Correspondence, Places
-    from metrics.glued import Glued
 
 # A motion field whose values lie this near to each other is taken as uniform, px.
 UNIFORM = 1e-4
@@ -69,8 +67,8 @@ class Span:
     bands: list[NDArray[np.intp]] | None = field(repr=False)
     rows: slice
     reached: Mask = field(repr=False)
-    correspondence: "Correspondence | None" = field(default=None, repr=False)
-    glued: "Glued | None" = field(default=None, repr=False)
+    correspondence: Correspondence | None = field(default=None, repr=False)
+    glued: Glued | None = field(default=None, repr=False)
     part: int = 0
 
     @property
@@ -81,12 +79,10 @@ class Span:
         """Frame t [channels, H, W] in the grid in which tiles lie at `offsets`; these rows only if it is unwarped."""
         if self.correspondence is None:
             return image.astype(np.float32, copy=False)
-        from metrics.correspondence import unwarp
-
         return unwarp(image, self._places[t - self.start], self.correspondence.usable[self.rows], self.rows)
 
     @cached_property
-    def _places(self) -> "list[Places | None]":
+    def _places(self) -> list[Places | None]:
         return [] if self.correspondence is None else self.correspondence.places(self.rows)
 
 
@@ -164,8 +160,6 @@ def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
 def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, room: float) -> Span:
     correspondence = glued = None
     if steps is None:
-        from metrics.correspondence import Correspondence
-
         anchor = (start + stop - 1) // 2
         offsets: list[Offset] = [(0.0, 0.0)] * (stop - start)
         correspondence = Correspondence(clip, start, stop, room=room * (stop - start))
@@ -180,8 +174,6 @@ def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, 
     covered = clip.covered(anchor)
     tile_bands = bands.of_tiles(clip, levels, anchor)
     if correspondence is not None:
-        from metrics.glued import Glued
-
         glued = Glued(clip, start, stop, levels, tile_bands, correspondence)
     return Span(
         start,

@@ -9,8 +9,9 @@ from types import TracebackType
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
 from metrics.spans import Span
-from metrics.spectra import Batch, Pictures, TileTransform, transforms
+from metrics.spectra import Batch, Pictures, transforms
 from metrics.tiles import Level
+from metrics.transform import TileTransform
 
 CHUNK = 4
 """Frames at most that a piece of tiles is followed through while it stays in the cache."""

@@ -1,16 +1,27 @@
 """What a motion is: the rule by which the frames of a sequence differ."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from .scene import Sun
+from .camera import Camera
+from .scene import Scene, Sun
 from .table import Table
 from .view import View
 
-if TYPE_CHECKING:
-    from .sequence import Sequence
+
+class Start(Protocol):
+    """What a motion starts from: the sequence as its file gives it. fps: frames a second. size: width, height, px."""
+
+    @property
+    def frames(self) -> int: ...
+    @property
+    def fps(self) -> float: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def camera(self) -> Camera: ...
+    @property
+    def scene(self) -> Scene: ...
 
 
 class Motion(Table):
@@ -20,10 +31,10 @@ class Motion(Table):
     """Name of the motion in a sequence file; a subclass narrows it to one literal with that default."""
 
     @abstractmethod
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """View of frame `t`. Any whole number has one; -1 is where frame 0 is said to come from."""
 
-    def sun(self, sequence: Sequence, t: int) -> Sun:
+    def sun(self, sequence: Start, t: int) -> Sun:
         """The sun of frame `t`: the scene's, unless the motion moves it."""
         return sequence.scene.sun
 

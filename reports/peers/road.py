@@ -93,7 +93,7 @@ class Road:
 
 
 @dataclass(frozen=True)
-class Truth:
+class ReferenceFrames:
     """The reference at many samples, on pixels that the road covers wholly."""
 
     picture: Image
@@ -101,14 +101,14 @@ class Truth:
     whole: NDArray[np.bool_]
 
     @staticmethod
-    def of(road: Road, frame: int, *, samples: int = 256) -> "Truth":
+    def of(road: Road, frame: int, *, samples: int = 256) -> "ReferenceFrames":
         """Render it."""
         from swimlab.render.kernels.texture_filter import FINEST
 
         shot = road.shot(frame)
         picture = render_samples(shot, FINEST, n=int(samples**0.5), jittered=True)
         assert picture.error is not None
-        return Truth(picture.rgba, picture.error, describe_geometry(shot).coverage == 1.0)
+        return ReferenceFrames(picture.rgba, picture.error, describe_geometry(shot).coverage == 1.0)
 
     def rms(self, picture: Image) -> float:
         """Root mean square error of RGB; pixels that the picture does not cover count as black."""

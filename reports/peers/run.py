@@ -20,7 +20,7 @@ from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, NamedTuple
 
-from road import PITCH, Contender, Road, Truth, road_sequence
+from road import PITCH, Contender, ReferenceFrames, Road, road_sequence
 
 import swimlab
 from metrics.kernels.launch import Launcher
@@ -169,7 +169,7 @@ def compare(size: tuple[int, int], rounds: int, threads: int) -> dict[str, Any]:
     """The whole comparison."""
     with Launcher(threads=threads) as launcher:
         road = Road(road_sequence(size), launcher)
-        truth = Truth.of(road, FRAME)
+        truth = ReferenceFrames.of(road, FRAME)
         versions, found = peers(road)
         contenders = [*our(road), *found]
         begun, (busy, mine) = time.perf_counter(), processors()

@@ -1,17 +1,12 @@
 """drive: the camera goes along the road."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pydantic import Field
 
-from ..motion import Motion
+from ..motion import Motion, Start
 from ..table import Real
 from ..view import View
-
-if TYPE_CHECKING:
-    from ..sequence import Sequence
 
 
 class Drive(Motion):
@@ -20,7 +15,7 @@ class Drive(Motion):
     kind: Literal["drive"] = Field("drive", description="the camera goes along the road")
     speed: Real = Field(6.0, ge=-1e4, le=1e4, description="m/s along the road; negative goes backwards")
 
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """The base grid of a camera that is `speed * t / fps` metres further."""
         width, height = sequence.size
         distance = sequence.camera.distance + self.speed * t / sequence.fps

@@ -1,18 +1,13 @@
 """scale: every frame has its own size and the same field of view."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pydantic import Field
 
-from ..motion import Motion
+from ..motion import Motion, Start
 from ..table import Real
 from ..view import View
-
-if TYPE_CHECKING:
-    from ..sequence import Sequence
 
 
 class Scale(Motion):
@@ -26,7 +21,7 @@ class Scale(Motion):
         """Size factor of frame `t` of `frames`: from (to/from)^(t/(frames-1)). A single frame has `from`."""
         return self.start * math.pow(self.end / self.start, t / max(frames - 1, 1))
 
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """A grid over all of the base image, of round(size * factor) cells, halves up, at least one."""
         factor = self.factor(sequence.frames, t)
         width, height = (max(1, math.floor(full * factor + 0.5)) for full in sequence.size)

@@ -1,17 +1,12 @@
 """shift: the image slides by sub-pixel steps; nothing but the sample points changes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..motion import Motion
+from ..motion import Motion, Start
 from ..table import Real
 from ..view import View
-
-if TYPE_CHECKING:
-    from ..sequence import Sequence
 
 Step = Annotated[Real, Field(ge=-1e4, le=1e4)]
 
@@ -24,7 +19,7 @@ class Shift(Motion):
         (23 / 32, 19 / 32), description="motion of the picture's content, px a frame, right and down"
     )
 
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """The base grid moved by -t velocity, so that the content moves by +t velocity."""
         width, height = sequence.size
         origin = (-t * self.velocity[0], -t * self.velocity[1])

@@ -1,18 +1,13 @@
 """sun: the sun sweeps over a picture that stands still."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pydantic import Field
 
-from ..motion import Motion
+from ..motion import Motion, Start
 from ..scene import Sun
 from ..table import Real
 from ..view import View
-
-if TYPE_CHECKING:
-    from ..sequence import Sequence
 
 
 class SunSweep(Motion):
@@ -22,12 +17,12 @@ class SunSweep(Motion):
     azimuth_speed: Real = Field(60.0, ge=-3600, le=3600, description="degrees/s clockwise")
     elevation_speed: Real = Field(0.0, ge=-3600, le=3600, description="degrees/s upwards")
 
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """The base grid, in every frame."""
         width, height = sequence.size
         return View(width, height, origin=(0.0, 0.0), pitch=(1.0, 1.0), camera=sequence.camera)
 
-    def sun(self, sequence: Sequence, t: int) -> Sun:
+    def sun(self, sequence: Start, t: int) -> Sun:
         """The scene's sun, turned by speeds * t / fps degrees; over the zenith it goes down on the other side."""
         start, seconds = sequence.scene.sun, t / sequence.fps
         angles = {

@@ -1,17 +1,12 @@
 """turn: the camera yaws where it stands."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pydantic import Field
 
-from ..motion import Motion
+from ..motion import Motion, Start
 from ..table import Real
 from ..view import View
-
-if TYPE_CHECKING:
-    from ..sequence import Sequence
 
 
 class Turn(Motion):
@@ -20,7 +15,7 @@ class Turn(Motion):
     kind: Literal["turn"] = Field("turn", description="the camera yaws")
     speed: Real = Field(20.0, ge=-3600, le=3600, description="degrees/s to the right; negative turns left")
 
-    def view(self, sequence: Sequence, t: int) -> View:
+    def view(self, sequence: Start, t: int) -> View:
         """The base grid of a camera that is turned by `speed * t / fps` degrees."""
         width, height = sequence.size
         yaw = sequence.camera.yaw + self.speed * t / sequence.fps

@@ -9,11 +9,11 @@ from types import ModuleType
 
 import swimlab.render.brdfs
 import swimlab.render.techniques
+from metrics.plugins import added, discover, extend, retract
 from sequences import Sequence
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique
-from swimlab.runs.registry import added, discover, extend, retract
 
 FOLDERS = "SWIMLAB_TECHNIQUES"
 """Environment variable: folders with techniques of one's own, separated as in PATH."""

@@ -12,7 +12,7 @@ from metrics import measure, quantisation
 from swimlab.footage.subject import Subject
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
-from swimlab.scoring.peer import all_peer_scores
+from swimlab.scoring.peer_scores import all_peer_scores
 
 
 def measure_subject(

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from metrics import Bloom, Clip, Display, Measurement, Truth, align, measure, measure_scales, quantisation
+from metrics import Bloom, Clip, Display, Measurement, ReferenceFrames, align, measure, measure_scales, quantisation
 from swimlab.footage.colour import quantisation_floor
 from swimlab.render.renderer import ERROR, GEOMETRY
 from swimlab.render.run import check_complete
@@ -21,7 +21,7 @@ from swimlab.runs.files import write_json, write_text
 from swimlab.runs.frames import Geometry, Image, frame_path, read_frame, read_geometry
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE, VERSION, Record, RunError
-from swimlab.scoring.peer import all_peer_scores
+from swimlab.scoring.peer_scores import all_peer_scores
 
 Domain = Literal["linear", "display"]
 
@@ -123,11 +123,11 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
     geometry = read_clip(run, record, record.techniques[0], frames)
     shared = align(geometry) if len(frames) * width * height * 8 < KEPT_BYTES else None
     display = display_of(record)
-    reference = truth = None
+    reference = exact = None
     if REFERENCE in record.techniques:
         reference = read_clip(run, record, REFERENCE, frames)
         error = reference_error(run, frames)
-        truth = Truth(reference, error=error, domain=domain, display=display, room=KEPT_BYTES)
+        exact = ReferenceFrames(reference, error=error, domain=domain, display=display, room=KEPT_BYTES)
     sampled = sorted({0, len(frames) // 2, len(frames) - 1})
     stored_as = "half" if record.settings["half"] else "float"
 
@@ -136,7 +136,7 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
 
     def score(name: str) -> Measurement:
         test = read_clip(run, record, name, frames)
-        found = measure(test, truth, domain=domain, display=display, alignment=shared, threads=1)
+        found = measure(test, exact, domain=domain, display=display, alignment=shared, threads=1)
         found.scores |= all_peer_scores(peers, test, reference)
         found.merge(quantisation([rounding(test.frame(t)) for t in sampled], len(frames)))
         return found

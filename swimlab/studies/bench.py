@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from metrics import Clip, Measurement, Truth, align, measure
+from metrics import Clip, Measurement, ReferenceFrames, align, measure
 from metrics.spans import Span
 from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
@@ -52,7 +52,7 @@ def time_measures(
     test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
     reference = Clip(lambda _: still, frames, motion=VELOCITY)
 
-    truth = Truth(reference)
+    truth = ReferenceFrames(reference)
 
     def transform() -> None:
         def read(span: Span, t: int) -> Pictures:

@@ -5,7 +5,7 @@ import pytest
 
 from metrics import METRICS, Clip, Measurement, measure, measure_scales, quantisation, resolved, synthetic
 from metrics.ratios import BLOCKS, RUN, Ratios, difference_error, jackknife, logarithmic_mean, overlap
-from metrics.spectra import OCTAVES
+from metrics.transform import OCTAVES
 
 MOTION = (23 / 32, 19 / 32)
 

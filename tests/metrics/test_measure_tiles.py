@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from metrics.clip import Clip
 from metrics.spans import align
-from metrics.spectra import Pictures, batches, energy
+from metrics.spectra import Pictures, batches
 from metrics.tiles import SIZES, lay, split, window
+from metrics.transform import energy
 
 
 @pytest.mark.parametrize("size", [size for size in SIZES if size >= 32])

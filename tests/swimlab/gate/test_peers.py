@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from metrics import Clip, ClipError
-from swimlab.scoring.peer import PeerError, peer_scores, peers
+from swimlab.scoring.peer import PeerError
+from swimlab.scoring.peer_scores import peer_scores, peers
 
 needs_flip = pytest.mark.skipif(
     importlib.util.find_spec("flip_evaluator") is None, reason="flip-evaluator is not installed: extra 'flip'"

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from metrics.plugins import discover
 from sequences import load
 from swimlab import render
 from swimlab.render.catalogue import brdfs, technique_settings, techniques
-from swimlab.runs.registry import discover
 
 FIRST = {"pixel-point", "pixel-bilinear", "pixel-trilinear", "pixel-aniso", "lod-hack", "tsl", "reference"}
 LATER = {"vertex", "toksvig", "lean", "clean", "vmf", "specular-aa", "supersample", "taa"}

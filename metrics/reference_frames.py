@@ -11,7 +11,7 @@ from metrics.spectra import Pictures
 Exact = tuple[Image, Image | None]
 
 
-class Truth:
+class ReferenceFrames:
     """A reference, and the half-difference (A - B)/2 of two halves of its samples where it is known."""
 
     def __init__(

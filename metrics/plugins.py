@@ -3,10 +3,17 @@
 import importlib
 import pkgutil
 import sys
+from collections.abc import Iterable
 from importlib.util import cache_from_source
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+
+def modules(package: str, folders: Iterable[str]) -> list[ModuleType]:
+    """Every module of a package that lies in the folders, by name."""
+    names = sorted(info.name for info in pkgutil.iter_modules(folders, package + "."))
+    return [importlib.import_module(name) for name in names]
 
 
 def discover(package: ModuleType, attribute: str) -> dict[str, Any]:
@@ -15,10 +22,10 @@ def discover(package: ModuleType, attribute: str) -> dict[str, Any]:
     Raises ValueError where two modules declare the same name, and AttributeError where a module declares none.
     """
     found: dict[str, Any] = {}
-    for info in pkgutil.iter_modules(package.__path__, package.__name__ + "."):
-        entry = getattr(importlib.import_module(info.name), attribute)
+    for module in modules(package.__name__, package.__path__):
+        entry = getattr(module, attribute)
         if entry.name in found:
-            raise ValueError(f"{info.name}: {package.__name__} has a {entry.name!r} already")
+            raise ValueError(f"{module.__name__}: {package.__name__} has a {entry.name!r} already")
         found[entry.name] = entry
     return dict(sorted(found.items()))
 
@@ -48,10 +55,7 @@ def extend(package: ModuleType, folder: Path) -> list[str]:
 
 def added(package: ModuleType) -> list[ModuleType]:
     """The modules that `extend` lets be found."""
-    return [
-        importlib.import_module(f"{package.__name__}.{info.name}")
-        for info in pkgutil.iter_modules(package.__path__[1:])
-    ]
+    return modules(package.__name__, package.__path__[1:])
 
 
 def retract(package: ModuleType, folder: Path) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metrics import Clip, Truth, align, measure
+from metrics import Clip, ReferenceFrames, align, measure
 from metrics.synthetic import Rotation
 
 FRAMES, SIZE = 6, 120
@@ -29,9 +29,9 @@ def test_what_is_held_changes_no_bit(frames, room):
     wrong, exact, half, motion = frames
     test, reference = (Clip(each.__getitem__, FRAMES, motion=motion) for each in (wrong, exact))
     alone = measure(test, reference, reference_error=half.__getitem__)
-    truth, alignment = Truth(reference, error=half.__getitem__, room=room), align(test)
+    exact, alignment = ReferenceFrames(reference, error=half.__getitem__, room=room), align(test)
     for _ in range(2):
-        assert measure(test, truth, alignment=alignment).scores == alone.scores
+        assert measure(test, exact, alignment=alignment).scores == alone.scores
 
 
 def test_frames_that_fit_are_read_once():
@@ -44,21 +44,21 @@ def test_frames_that_fit_are_read_once():
 
     test = Clip(random.__getitem__, FRAMES)
     reference = Clip(read, FRAMES)
-    truth, alignment = Truth(reference, room=1e9), align(test)
+    exact, alignment = ReferenceFrames(reference, room=1e9), align(test)
     for _ in range(3):
-        measure(test, truth, alignment=alignment, names=["budget"])
+        measure(test, exact, alignment=alignment, names=["budget"])
     # Frame 0 is read for its size as well.
     assert count == [2] + [1] * (FRAMES - 1)
 
 
-def test_a_truth_of_another_domain_is_refused():
+def test_a_reference_of_another_domain_is_refused():
     flat = Clip(lambda _: np.ones((32, 32, 3), np.float32), 2)
-    with pytest.raises(ValueError, match="truth is of another domain"):
-        measure(flat, Truth(flat), domain="display")
+    with pytest.raises(ValueError, match="reference is of another domain"):
+        measure(flat, ReferenceFrames(flat), domain="display")
 
 
 def test_an_error_of_no_reference_is_refused():
     flat = Clip(lambda _: np.ones((32, 32, 3), np.float32), 2)
-    for reference in (None, Truth(flat)):
+    for reference in (None, ReferenceFrames(flat)):
         with pytest.raises(ValueError, match="needs a clip as reference"):
             measure(flat, reference, reference_error=lambda _: np.zeros((32, 32, 3)))
