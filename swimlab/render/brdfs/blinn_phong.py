@@ -14,9 +14,9 @@ import warp as wp
 from pydantic import Field
 
 from swimlab.render.brdf import Brdf, Model
-from swimlab.render.kernels.shading import power_of_cosine
-from swimlab.render.kernels.snippets import EXP2, LOGARITHM, half_vector
-from swimlab.render.kernels.structs import Sun
+from swimlab.render.kernels.forms import EXP2, LOGARITHM, Twins, Within, form, half_vector
+from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.shading import in_local_frame, power_of_cosine
 from swimlab.render.settings import Settings
 
 
@@ -88,9 +88,9 @@ NATIVE = f"""{EXP2}{LOGARITHM}
 
 
 @cache
-def with_normalisation(settings: BlinnPhongSettings) -> Model:
-    """The model, plain and native."""
-    factor = FACTORS[settings.normalisation]
+def evaluate_with(normalisation: str) -> wp.Function:
+    """The model as it is read."""
+    factor = FACTORS[normalisation]
 
     @wp.func(module="unique")
     def evaluate(
@@ -100,10 +100,21 @@ def with_normalisation(settings: BlinnPhongSettings) -> Model:
         lambert = wp.clamp(light[2], 0.0, 1.0) * diffuse
         return albedo * lambert + wp.vec3(specular, specular, specular)
 
-    @wp.func_native(NATIVE.replace("FACTOR", NATIVE_FACTORS[settings.normalisation]))
-    def native(lanes: wp.array(dtype=wp.float32), sun: Sun): ...
+    return evaluate
 
-    return Model(evaluate, native, slopes_are_gaussian=settings.normalisation == "deck")
+
+@form(cases=[(name,) for name in FACTORS], agrees=Within("native against plain"))
+def packet_with(normalisation: str) -> Twins:
+    """The model over a packet of 8-float texels."""
+    plain = plain_packet(in_local_frame(evaluate_with(normalisation), 8), 8)
+    return Twins(plain, NATIVE.replace("FACTOR", NATIVE_FACTORS[normalisation]), 8)
+
+
+@cache
+def with_normalisation(settings: BlinnPhongSettings) -> Model:
+    """The model, plain and native."""
+    name = settings.normalisation
+    return Model(evaluate_with(name), packet_with(name).native, slopes_are_gaussian=name == "deck")
 
 
 BRDF = Brdf(

@@ -5,8 +5,7 @@ import functools
 import warp as wp
 
 from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.locate import PLACES
-from swimlab.render.kernels.packet import put_in, radiance, rows_of
+from swimlab.render.kernels.packet import PLACES, put_in, radiance, rows_of
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
@@ -48,7 +47,7 @@ def surfaces(
 def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
     texel_type = TEXELS[width]
-    put = put_in(width)
+    put = put_in(width).native
     floats = LANES * rows_of(width)
 
     @wp.kernel(module="unique", enable_backward=False)

@@ -9,6 +9,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.render.kernels.footprint import surface_at
+from swimlab.render.kernels.forms import Twins, form
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.structs import LANES, Chain, Grid, Planes, Sun
@@ -103,16 +104,34 @@ REDUCE = """
 """
 
 
-@wp.func_native(REDUCE)
-def reduce_row(
-    j: wp.int32,
-    level: wp.int32,
-    tile_level: wp.int32,
-    need: wp.array2d(dtype=wp.int32),
-    chain: Chain,
-    texels: wp.array(dtype=wp.vec4),
-):
-    """Fill texels of row j of `level` by the mean of the 2x2 below where the tile was shaded at a finer level."""
+@form()
+def row_reduction() -> Twins:
+    """The function that fills texels of row j of `level` by the mean of the 2x2 below.
+
+    It leaves out tiles that were not shaded at a finer level.
+    """
+
+    @wp.func(module="unique")
+    def reduce(
+        j: wp.int32,
+        level: wp.int32,
+        tile_level: wp.int32,
+        need: wp.array2d(dtype=wp.int32),
+        chain: Chain,
+        texels: wp.array(dtype=wp.vec4),
+    ):
+        side = chain.width >> level
+        for i in range(side):
+            if need[(j << level) >> tile_level, (i << level) >> tile_level] < level:
+                upper = chain.offsets[level - 1] + 4 * j * side + 2 * i
+                lower = upper + 2 * side
+                total = (texels[upper] + texels[upper + 1]) + (texels[lower] + texels[lower + 1])
+                texels[chain.offsets[level] + j * side + i] = total * 0.25
+
+    return Twins(reduce, REDUCE, 4)
+
+
+reduce_row = row_reduction().native
 
 
 @wp.kernel
@@ -153,6 +172,18 @@ UNPREMULTIPLY = """
 """.replace("LANES", str(LANES))
 
 
-@wp.func_native(UNPREMULTIPLY)
-def unpremultiply(lanes: wp.array(dtype=wp.float32), sun: Sun):
+@form()
+def unpremultiplication() -> Twins:
     """What shading is to pasting: RGB of filtered light is divided by alpha where alpha > 1e-5."""
+
+    @wp.func(module="unique")
+    def divide(lanes: wp.array(dtype=wp.float32), sun: Sun):
+        for k in range(LANES):
+            alpha = wp.where(lanes[3 * LANES + k] > 1.0e-5, lanes[3 * LANES + k], 1.0)
+            for row in range(3):
+                lanes[row * LANES + k] = lanes[row * LANES + k] / alpha
+
+    return Twins(divide, UNPREMULTIPLY, 4)
+
+
+unpremultiply = unpremultiplication().native
