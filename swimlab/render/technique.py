@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
+from pydantic import Field
 
 from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.packet import resolved
 from swimlab.render.kernels.samples import shade_samples
-from swimlab.render.kernels.texture_filter import TextureFilter
+from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.triangles import Triangles, visibility
@@ -84,6 +85,21 @@ def render_samples(
 
     launcher.each(launcher.strips(size[0], n), fill)
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
+
+
+class MomentSettings(Settings):
+    """How far a footprint may be stretched."""
+
+    anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
+
+
+def moment_technique(inputs: Inputs, *, summary: str, source: str) -> Technique:
+    """The technique of some inputs: they are read anisotropically at the pixel's centre and shaded once."""
+
+    def render(shot: Shot, settings: MomentSettings) -> Picture:
+        return render_samples(shot, anisotropic_to(settings.anisotropy), n=1, inputs=inputs)
+
+    return Technique(name=inputs.name, summary=summary, source=source, render=render, settings=MomentSettings)
 
 
 def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:

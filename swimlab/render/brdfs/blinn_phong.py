@@ -14,7 +14,7 @@ import warp as wp
 from pydantic import Field
 
 from swimlab.render.brdf import Brdf, Model
-from swimlab.render.kernels.forms import EXP2, LOGARITHM, Twins, Within, form, half_vector
+from swimlab.render.kernels.forms import EXP2, LOGARITHM, Twins, Within, form, half_vector_code
 from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import in_local_frame, power_of_cosine
 from swimlab.render.settings import Settings
@@ -62,7 +62,7 @@ NATIVE = f"""{EXP2}{LOGARITHM}
     const float lx = sun.direction[0], ly = sun.direction[1], lz = sun.direction[2], diffuse = sun.diffuse;
     #pragma clang loop vectorize(assume_safety) vectorize_width(16)
     for (int k = 0; k < 64; ++k) {{
-{half_vector(8)}
+{half_vector_code(8)}
         const float h = 1.0f/__builtin_sqrtf(hx*hx + hy*hy + hz*hz), ux = hx*h, uy = hy*h, uz = hz*h;
         float nx = a[3*64 + k], ny = a[4*64 + k], nz = a[5*64 + k];
         const float n = 1.0f/__builtin_sqrtf(nx*nx + ny*ny + nz*nz);

@@ -130,7 +130,7 @@ LOGARITHM = """
 """
 
 
-def half_vector(width: int) -> str:
+def half_vector_code(width: int) -> str:
     """The light (lx, my, mz) and the half vector (hx, hy, hz), not of unit length, of lane k in its tangent frame.
 
     For the loop over k of a packet `a` whose texels have `width` floats; (lx, ly, lz) is the light in world axes. The

@@ -1,6 +1,7 @@
-"""Kernels that show what device functions give for single samples, without a picture."""
+"""Kernels that show what device functions return for single samples, without a picture: for studies and tests."""
 
 import functools
+from typing import Any
 
 import warp as wp
 
@@ -96,5 +97,47 @@ def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
         fill(texels, chain, own, count, lanes)
         for k in range(width * LANES):
             out[packet, k] = lanes[k]
+
+    return kernel
+
+
+@functools.cache
+def resolve_coarsest(resolve: wp.Function) -> wp.Kernel:
+    """The kernel that resolves the moments of the last texel of a chain."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(chain: Chain, texels: wp.array(dtype=Any), out: wp.array(dtype=Any)):
+        out[0] = resolve(texels[chain.offsets[chain.levels - 1]], chain)
+
+    return kernel
+
+
+@wp.func
+def cosines(
+    albedo: wp.vec3, ks: wp.float32, power: wp.float32, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
+) -> wp.vec3:
+    """No reflectance model, but the least that depends on all that one reads: what is left is the cost of the loop."""
+    return albedo * (light[2] + view[2])
+
+
+@functools.cache
+def evaluations(evaluate: wp.Function, each: int = LANES) -> wp.Kernel:
+    """The kernel that adds up red over `each` evaluations a thread, under one albedo, Ks and power."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        albedo: wp.vec3,
+        ks: wp.float32,
+        power: wp.float32,
+        diffuse: wp.float32,
+        light: wp.array(dtype=wp.vec3),
+        view: wp.array(dtype=wp.vec3),
+        out: wp.array(dtype=wp.float32),
+    ):
+        thread = wp.tid()
+        total = wp.float32(0.0)
+        for i in range(thread * each, thread * each + each):
+            total += evaluate(albedo, ks, power, light[i], view[i], diffuse)[0]
+        out[thread] = total
 
     return kernel
