@@ -1,4 +1,4 @@
-"""What a technique is, and how the pixel-shading ones are made of a texture filter."""
+"""What a technique is, and how pixel-shading techniques are made of a texture filter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,8 +25,8 @@ Image = NDArray[np.float32]
 class Picture(NamedTuple):
     """A rendered frame.
 
-    rgba: [H, W, 4], linear, premultiplied. error: its own standard error where known, alike. shaded: how many samples,
-    texels or vertices the reflectance model was evaluated for.
+    rgba: [H, W, 4], linear, premultiplied. error: its standard error where known, same layout. shaded: how many
+    samples, texels or vertices the reflectance model was evaluated for.
     """
 
     rgba: Image
@@ -35,15 +35,15 @@ class Picture(NamedTuple):
 
 
 Render = Callable[[Shot, Any], Picture]
-"""A shot's picture under a technique's settings: a function of these two alone."""
+"""From a shot and a technique's settings to the picture, which depends on nothing else."""
 
 
 @dataclass(frozen=True)
 class Technique:
     """An order of filtering and shading, with its name, one line about it, its source and its settings.
 
-    memory: for a technique whose frames build on one another, what makes a renderer of the very same pictures that
-        keeps what the next frame needs, so that a clip's frames in turn cost one frame each.
+    memory: for a technique whose frames build on earlier ones, makes a renderer that keeps what the next frame needs.
+        Its pictures are the same, and frames rendered in order cost one frame each.
     """
 
     name: str
@@ -103,11 +103,11 @@ def moment_technique(inputs: Inputs, *, summary: str, source: str) -> Technique:
 
 
 def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
-    """What shades a strip of a grid of n x n samples a pixel, of the screen or of a target in texture space.
+    """The function that shades a strip of n x n samples a pixel, of the screen or of a target in texture space.
 
-    It is called with grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
-    shaded ([H], samples), and adds to rows of the former two, and fills rows of the latter, from `row` on (default: the
-    strip's own). Kernels are made here, once, and not in the threads that call it.
+    Its arguments are grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
+    shaded ([H], samples). It adds to rows of picture and error and fills rows of shaded, from `row` on (default: the
+    strip's first). Kernels are made here, once, and not in the threads that call the function.
     """
     launcher, sun = shot.launcher, shot.sun
     inputs = shot.inputs(inputs)

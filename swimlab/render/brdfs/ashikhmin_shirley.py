@@ -17,6 +17,9 @@ from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.settings import Settings
 
+LEAST_DIVISOR = 1e-30
+"""H.V max(N.L, N.V) is no less, as it would underflow to 0 where light and eye lie in the horizon, opposite."""
+
 
 class AshikhminShirleySettings(Settings):
     """How the highlight is drawn out."""
@@ -62,7 +65,8 @@ def direct(settings: AshikhminShirleySettings) -> Model:
         if sine_squared > 0.0:
             along = h[0] * h[0] / sine_squared
         lobe = power_of_cosine(h, nu * along + nv * (1.0 - along)) * wp.sqrt((nu + 1.0) * (nv + 1.0)) / 8.0
-        specular = lobe * schlick(ks, cosine) * light[2] / (cosine * wp.max(light[2], view[2]))
+        below = wp.max(cosine * wp.max(light[2], view[2]), LEAST_DIVISOR)
+        specular = lobe * schlick(ks, cosine) * light[2] / below
         body = 28.0 / 23.0 * wp.max(1.0 - ks, 0.0) * entering(light[2]) * entering(view[2]) * light[2]
         return albedo * body + wp.vec3(specular, specular, specular)
 

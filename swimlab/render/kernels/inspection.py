@@ -30,9 +30,9 @@ def surfaces(
     dy: wp.array2d(dtype=wp.vec2d),
     position: wp.array2d(dtype=wp.vec3d),
 ):
-    """Of what each sample of a grid sees: uv, its derivatives by cell right and down, position relative to the eye.
+    """The surface that each sample of a grid sees: uv, its derivatives by cell right and down, position about the eye.
 
-    All are left as they are where it sees nothing.
+    Samples that see nothing leave all of them unchanged.
     """
     j, i = wp.tid()
     triangle = visible[j, i]
@@ -116,7 +116,7 @@ def resolve_coarsest(resolve: wp.Function) -> wp.Kernel:
 def cosines(
     albedo: wp.vec3, ks: wp.float32, power: wp.float32, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
 ) -> wp.vec3:
-    """No reflectance model, but the least that depends on all that one reads: what is left is the cost of the loop."""
+    """In place of a reflectance model the least that reads all its inputs: the cost of the loop alone."""
     return albedo * (light[2] + view[2])
 
 

@@ -202,5 +202,5 @@ def plain_packet(reflect: wp.Function, width: int) -> wp.Function:
 
 @wp.func
 def radiance(lanes: wp.array(dtype=wp.float32), lane: wp.int32) -> wp.vec3:
-    """What shading left in a lane."""
+    """The radiance that shading left in a lane."""
     return wp.vec3(lanes[lane], lanes[LANES + lane], lanes[2 * LANES + lane])

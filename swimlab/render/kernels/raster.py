@@ -117,7 +117,7 @@ CLAIM = """
 
 @form()
 def claiming() -> Twins:
-    """The function that writes `value` to the cells of a run that hold none >= 0 yet; whether those were all."""
+    """The function that writes `value` to the cells of a run that hold none >= 0 yet. True: it wrote all of them."""
 
     @wp.func(module="unique")
     def claim(

@@ -1,6 +1,6 @@
 """Tables of functions of two variables, for reflectance models that are factored into textures.
 
-The values stand in the code of the kernels that look them up, so that every other kernel carries and passes nothing.
+The values stand in the code of the kernels that look them up, so that other kernels need no more parameters.
 """
 
 from collections.abc import Callable

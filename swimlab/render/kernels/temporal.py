@@ -1,4 +1,4 @@
-"""Reuse of the frame before: where a surface was, what the history holds there, and how much of it is believed."""
+"""Reuse of the previous frame: where a surface was, the history read there, and how much of it is believed."""
 
 import functools
 
@@ -189,7 +189,7 @@ def no_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, history
 
 @wp.func
 def premultiplied(c: wp.vec4) -> wp.vec4:
-    """A colour that can be: what a cubic's overshoot made of it without negative light or an alpha beyond 0..1."""
+    """The colour without a cubic's overshoot: no negative light, and alpha within 0..1."""
     if c[3] <= 0.0:
         return wp.vec4(0.0, 0.0, 0.0, 0.0)
     return wp.max(c, wp.vec4(0.0, 0.0, 0.0, 0.0)) / wp.max(c[3], 1.0)
@@ -201,7 +201,7 @@ CLAMPS = {"box": box_clamp, "variance": variance_clamp, "none": no_clamp}
 
 @functools.cache
 def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
-    """The kernel that blends a new frame into the history; where that is not of the same surface the new frame stands.
+    """The kernel that blends a new frame into the history, or keeps it where the history saw another surface.
 
     `fresh` and `history` are premultiplied [H, W]; `nearness` and `places` are `reproject`'s of the new frame,
     `nearness_before` is the frame before's.

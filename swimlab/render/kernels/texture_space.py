@@ -1,7 +1,7 @@
-"""What texture-space lighting adds to shading: which texels will be read, reducing only those, and pasting them.
+"""Texture-space lighting beside shading itself: find the texels that will be read, reduce only these, paste them.
 
 A target is cut into square tiles, each one texel of level `tile_level`; `need[tile]` is the finest level that is read
-anywhere in the tile, and NEVER where none is. Tiles are shaded at that level; coarser ones follow by reduction.
+anywhere in the tile, or NEVER. A tile is shaded at that level; its coarser levels are made by reduction.
 """
 
 from typing import Any
@@ -22,7 +22,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.func
 def normal_as_colour(texel: Any, light: wp.vec3, view: wp.vec3, diffuse: wp.float32) -> wp.vec3:
-    """In place of radiance: (N + 1) / 2, squared, so that it is what it is once encoded by the square root."""
+    """In place of radiance: (N + 1) / 2 squared, which the display's square root turns back into (N + 1) / 2."""
     normal = (wp.normalize(wp.vec3(texel[3], texel[4], texel[5])) + wp.vec3(1.0, 1.0, 1.0)) * 0.5
     return wp.cw_mul(normal, normal)
 
@@ -38,11 +38,11 @@ def ask(need: wp.array2d(dtype=wp.int32), chain: Chain, tile_level: wp.int32, le
     first_j = (wp.clamp(top, 0, height - 1) << level) >> tile_level
     last_i = (((wp.clamp(left + 1, 0, width - 1) + 1) << level) - 1) >> tile_level
     last_j = (((wp.clamp(top + 1, 0, height - 1) + 1) << level) - 1) >> tile_level
-    wanted = wp.min(level, tile_level)
+    finest = wp.min(level, tile_level)
     for j in range(first_j, last_j + 1):
         for i in range(first_i, last_i + 1):
-            if need[j, i] > wanted:
-                need[j, i] = wanted
+            if need[j, i] > finest:
+                need[j, i] = finest
 
 
 @wp.kernel
@@ -59,7 +59,7 @@ def mark(
     tile_level: wp.int32,
     need: wp.array2d(dtype=wp.int32),
 ):
-    """Note every texel that pasting one segment onto some rows will read. One thread; callers merge by the least."""
+    """Note every texel that pasting one segment onto some rows will read. One thread; callers take the least of all."""
     for j in range(first_row, first_row + rows):
         for i in range(visible.shape[1]):
             triangle = visible[j, i]
@@ -84,7 +84,7 @@ def keep_needed(
     need: wp.array2d(dtype=wp.int32),
     visible: wp.array2d(dtype=wp.int32),
 ):
-    """Forget the texels of a band of `level` whose tile is not to be shaded at that level."""
+    """Mark texels of a band of `level` as not visible where their tile is shaded at another level."""
     row, i = wp.tid()
     tile_j = ((first_row + row) << level) >> tile_level
     tile_i = ((first_column + i) << level) >> tile_level
@@ -155,7 +155,7 @@ def only_segment(
     segments: wp.array(dtype=wp.int32),
     mine: wp.array2d(dtype=wp.int32),
 ):
-    """Of some rows of a visibility buffer what shows one segment, -1 elsewhere."""
+    """Copy the cells of some rows of a visibility buffer that see one segment; the others are -1."""
     row, i = wp.tid()
     triangle = visible[first_row + row, i]
     mine[row, i] = -1
@@ -174,7 +174,7 @@ UNPREMULTIPLY = """
 
 @form()
 def unpremultiplication() -> Twins:
-    """What shading is to pasting: RGB of filtered light is divided by alpha where alpha > 1e-5."""
+    """The function that stands for shading when light is pasted: RGB is divided by alpha where alpha > 1e-5."""
 
     @wp.func(module="unique")
     def divide(lanes: wp.array(dtype=wp.float32), sun: Sun):
