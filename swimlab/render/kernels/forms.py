@@ -69,8 +69,9 @@ DECLARED: list[Declared] = []
 def form(
     *, cases: Iterable[tuple[Any, ...]] = ((),), agrees: Within | None = None
 ) -> Callable[[Callable[..., Twins]], Callable[..., Form]]:
-    """Declare a formula in two forms, a function of plain parameters that returns Twins; it becomes one to its Form.
+    """Declare a formula in two forms, as the decorator of a function that returns Twins; decorated, it returns a Form.
 
+    The function's parameters are plain values, given by position.
     cases: the parameters that are tested. agrees: what the test claims; None: the same bits.
     """
 

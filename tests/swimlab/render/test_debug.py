@@ -69,7 +69,7 @@ with Launcher(threads=1) as launcher:
 
     pictures |= dict(zip(cases, render(cases)))
     pictures["depth"] = describe_geometry(shot).depth
-    # The forms that are read, in the place of the native ones.
+    # The plain forms, in place of the native ones.
     TextureFilter.fill = lambda self, width, device: each_lane(self.plain, width)
     Shot.shade_packet = lambda self, inputs, width: plain_packet(
         inputs.reflect or in_local_frame(self.model.evaluate, width), width

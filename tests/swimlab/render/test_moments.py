@@ -123,13 +123,13 @@ def test_the_ends_are_finite(launcher, inputs):
 
 @pytest.mark.parametrize("name", ["toksvig", "vmf", "clean", "lean", "specular-aa"])
 def test_it_acts(shoot, render, tolerance, name):
-    """It comes nearer to the truth than the inputs' means, which shows that the normals' spread gets through."""
+    """It comes nearer to the reference than the inputs' means, which shows that the normals' spread gets through."""
     shot = shoot(ROAD, samples=256)
-    truth = render(shot, "reference").rgba
-    covered = truth[..., 3] == 1
+    reference = render(shot, "reference").rgba
+    covered = reference[..., 3] == 1
 
     def error(technique):
-        return np.sqrt(np.mean((render(shot, technique).rgba - truth)[covered] ** 2))
+        return np.sqrt(np.mean((render(shot, technique).rgba - reference)[covered] ** 2))
 
     assert error(name) < tolerance("technique that acts") * error("pixel-aniso")
 

@@ -80,7 +80,7 @@ def test_powers_of_cosines_hold_at_any_power(launcher, tolerance):
     angle, power = (each.ravel() for each in np.meshgrid(ANGLES, POWERS))
     across = unit(np.array([0.9, -0.2, 0.0]))
     h = np.cos(angle)[:, None] * np.array([0.0, 0.0, 1.0]) + np.sin(angle)[:, None] * across
-    # The truth of the vectors as they are once rounded to float32, by long doubles, from what rounding changed least.
+    # The exact value for the vectors as rounded to float32, in long doubles, from terms that rounding changes least.
     rounded = h.astype(np.float32).astype(np.longdouble)
     squared = (rounded[:, :2] ** 2).sum(axis=1)
     exact = np.where(squared > 0.5, rounded[:, 2] ** power, np.exp(power / 2 * np.log1p(-np.minimum(squared, 0.6))))
