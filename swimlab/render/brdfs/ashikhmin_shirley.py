@@ -1,11 +1,11 @@
-"""Ashikhmin & Shirley 2000: an anisotropic lobe over a diffuse term that loses what the lobe reflects.
+"""Ashikhmin & Shirley 2000: an anisotropic lobe over a diffuse term that loses the light that the lobe reflects.
 
 C = pi (rho_s + rho_d) sat(N.L), 0 where light or eye are below the surface, with
 rho_s = sqrt((nu+1)(nv+1)) / (8 pi) (N.H)^((nu (H.T)^2 + nv (H.B)^2) / (1 - (N.H)^2)) / (H.V max(N.L, N.V)) F(H.V)
 rho_d = 28 Kd / (23 pi) (1 - Ks) (1 - (1 - N.L/2)^5) (1 - (1 - N.V/2)^5)
 and F Schlick's approximation from Ks, the reflectance at normal incidence (0..1). nu = power / anisotropy and
 nv = power anisotropy: above 1 the highlight is drawn out along the tangent. The sun's irradiance is pi, so the deck's
-diffuse intensity has no part here.
+diffuse intensity is not used.
 """
 
 from functools import cache

@@ -3,7 +3,7 @@
 The specular term is not gated by N.L: this is the deck's radiance as written. Its normalisation n(p) is
 deck: p;
 ndf: (p + 2) / (2 pi), for which the lobe is a distribution of normals, its integral over N.H d(omega) 1;
-energy: (p + 2)(p + 4) / (8 pi (2^(-p/2) + p)), for which at normal incidence the light reflected is Ks of what comes;
+energy: (p + 2)(p + 4) / (8 pi (2^(-p/2) + p)), with which Ks of the light is reflected at normal incidence;
 the usual (p + 8) / (8 pi) is above that by 7.5% at p = 10 and .2% at p = 1000.
 """
 
@@ -89,7 +89,7 @@ NATIVE = f"""{EXP2}{LOGARITHM}
 
 @cache
 def evaluate_with(normalisation: str) -> wp.Function:
-    """The model as it is read."""
+    """The plain model."""
     factor = FACTORS[normalisation]
 
     @wp.func(module="unique")

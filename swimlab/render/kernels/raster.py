@@ -58,7 +58,7 @@ def inverse_depth(planes: Planes, p: wp.vec2d) -> wp.float64:
 
 @wp.func
 def row_span(edges: Edges, grid: Grid, j: wp.int32) -> wp.vec2i:
-    """First and one past the last cell of row j that a triangle may own samples in (a superset, by a cell or two)."""
+    """First and one past the last cell of row j that a triangle may own samples in (a superset by a cell or two)."""
     top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
     first = wp.float64(0.0)
     last = wp.float64(grid.width)

@@ -1,4 +1,4 @@
-"""Shading the samples of a grid: what pixel shading, texture-space lighting and the reference have in common."""
+"""Shading the samples of a grid: the core of pixel shading, texture-space lighting and the reference."""
 
 import functools
 
@@ -73,8 +73,8 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
     """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
     A packet is a run of cells in a row that see one triangle: they are located on it, filled with filtered texels of
-    `width` floats, shaded, and gathered into pixels. The `fill` is what sets one technique apart from another.
-    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which is to be 0
+    `width` floats, shaded, and gathered into pixels. Techniques differ in `fill`.
+    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which must be 0
     before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
     between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
     """

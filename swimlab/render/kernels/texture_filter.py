@@ -1,4 +1,4 @@
-"""Texture filters: what sets one technique apart from another.
+"""Texture filters, in which techniques differ.
 
 `sampling` has the plain forms; the native forms fill whole packets. First come the probes of all lanes, and for each
 probe the addresses of its texels, in loops that a compiler vectorises; then the taps, lane by lane, a whole texel at a

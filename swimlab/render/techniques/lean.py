@@ -1,7 +1,7 @@
 """LEAN mapping: mean and covariance of slopes filter linearly; the highlight is the Gaussian they describe.
 
 Texels hold albedo, b (x, y; about the map's mean), Mxx, Ks, Myy, Mxy, with M = b b^T + I/power. The Gaussian stands
-for the deck's Blinn-Phong; other models, and maps with twist, fall back to CLEAN's widening.
+for the deck's Blinn-Phong; other models, and maps with twist, use CLEAN's widening.
 """
 
 import numpy as np
