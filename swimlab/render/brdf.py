@@ -1,4 +1,4 @@
-"""What a reflectance model is."""
+"""Reflectance models: the plain data of one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ class Model(NamedTuple):
     """A reflectance model with its settings chosen.
 
     evaluate: (albedo, Ks, power, light, view, diffuse) -> radiance in the local frame, where the normal is (0, 0, 1)
-        and the tangent (1, 0, 0): the model as it is read. Roughness is the power of Blinn-Phong in every model, so
-        that filters of roughness serve all.
-    native: (lanes, sun), the same over a packet of samples of 8-float texels in a form that a CPU compiler vectorises.
-    slopes_are_gaussian: its lobe is the deck's power (N.H)^power, close to a Gaussian of slopes, as LEAN takes it.
-    anisotropic: it changes as the tangent turns about the normal, so that a map of twist matters.
-    tables: those that an evaluation looks up, each once.
+        and the tangent (1, 0, 0): the plain form. Every model takes roughness as the power of Blinn-Phong, so that
+        filters of roughness work for all.
+    native: (lanes, sun), the native form over a packet of 8-float texels; None where there is none.
+    slopes_are_gaussian: its lobe is the deck's (N.H)^power, close to the Gaussian of slopes that LEAN assumes.
+    anisotropic: it depends on the tangent, so that a map of twist matters.
+    tables: the tables that an evaluation looks up, each once.
     """
 
     evaluate: wp.Function
@@ -33,7 +33,7 @@ class Model(NamedTuple):
 class Brdf:
     """A reflectance model as the sequence file names it.
 
-    model: settings -> Model; the same one for the same settings, for kernels are made per Model.
+    model: settings -> Model; the same Model for the same settings, as kernels are made per Model.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What is there to choose from: techniques and reflectance models by name, found in their folders."""
+"""Techniques and reflectance models by name, found in their folders."""
 
 import hashlib
 import os
@@ -16,14 +16,14 @@ from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique
 
 FOLDERS = "SWIMLAB_TECHNIQUES"
-"""Environment variable: folders with techniques of one's own, separated as in PATH."""
+"""Environment variable: folders with your own techniques, separated as in PATH."""
 
 
 @cache
 def techniques() -> dict[str, Technique]:
-    """Every technique by its name, those in the folders of SWIMLAB_TECHNIQUES among them.
+    """Every technique by its name, including the ones in the folders of SWIMLAB_TECHNIQUES.
 
-    Raises ValueError as `extend` and `discover` do, and naming SWIMLAB_TECHNIQUES for whatever is wrong in there.
+    Raises ValueError as `extend` and `discover` do; it names SWIMLAB_TECHNIQUES where the fault is in these folders.
     """
     given = os.environ.get(FOLDERS, "")
     try:
@@ -40,10 +40,10 @@ def techniques() -> dict[str, Technique]:
 
 
 def add_techniques(folder: str | Path) -> list[str]:
-    """Find the techniques in a folder of one's own too, a file each; return their names.
+    """Add the techniques in a folder of your own, one a file; return their names.
 
-    A folder that is added again is read anew. Raises ValueError as `extend` and `discover` do; the folder is then as if
-    it had not been added.
+    A folder that is added again is read again. Raises ValueError as `extend` and `discover` do; the folder is then not
+    added.
     """
     modules = extend(swimlab.render.techniques, Path(folder))
     techniques.cache_clear()
@@ -57,7 +57,7 @@ def add_techniques(folder: str | Path) -> list[str]:
 
 
 def own_code() -> dict[str, str]:
-    """Technique -> hash of its file as it was when it was read, of those in folders of one's own."""
+    """Your own technique -> hash of its file as it was when it was read."""
     techniques()
     return {module.TECHNIQUE.name: _code(module) for module in added(swimlab.render.techniques)}
 

@@ -10,7 +10,7 @@ from swimlab.render.triangles import screen_projection, visibility
 from swimlab.runs.frames import Geometry
 
 COVERAGE_CELLS = 8
-"""Coverage is counted on this many cells a side of each pixel."""
+"""Coverage is counted on a grid of this many cells a side in each pixel."""
 
 
 def describe_geometry(shot: Shot) -> Geometry:
@@ -44,7 +44,7 @@ def describe_geometry(shot: Shot) -> Geometry:
 
 
 def seen_from(shot: Shot, before: View) -> Previous:
-    """How another view of the sequence, that of the frame before, saw what this frame sees."""
+    """Another view of the sequence, usually the previous frame's, as kernels take it to find where a surface was."""
     road = shot.sequence.scene.road
     width, height = shot.sequence.size
     previous = Previous()

@@ -1,4 +1,4 @@
-"""Inputs of shading: how the maps go into a mip chain, and what a filtered texel stands for."""
+"""Inputs of shading: how the maps are packed into a mip chain, and what a filtered texel means."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,17 +37,17 @@ def boxed(maps: Maps) -> Level:
 
 
 LEAST_POWER = 1e-4
-"""Powers below this count as this where 1/power is filtered, which 0 does not have; its highlight is as black."""
+"""Powers are raised to this where 1/power is filtered, as 1/0 is not finite; the highlight is as black."""
 
 STEEPEST = 8.0
 """Slopes N.xy / N.z of normals that lie flatter than 83 degrees from upright are cut to this."""
 
 
 def variances(maps: Maps) -> Level:
-    """As `boxed`, with the variance of slopes 1/power in the power's place, which adds up, and unit normals.
+    """As `boxed`, but with unit normals, and in place of the power the variance of slopes 1/power, as variances add up.
 
-    The length of a mean of normals tells how they spread. That of one normal tells nothing: 8-bit codes stray from 1
-    by up to .007, which would widen a highlight of power 1000 five times.
+    The length of a mean of normals shows how they spread. The length of a single normal means nothing: 8-bit codes are
+    off 1 by up to .007, which would widen a highlight of power 1000 five times.
     """
     packed = boxed(maps).texels.copy()
     length = np.linalg.norm(maps.normal.astype(np.float64), axis=2, keepdims=True)
@@ -59,7 +59,7 @@ def variances(maps: Maps) -> Level:
 def slopes(maps: Maps) -> tuple[NDArray[np.float64], tuple[float, float], NDArray[np.float64]]:
     """Slopes b = N.xy / N.z [h, w, 2] less their mean over the map, that mean, and 1/power [h, w, 1].
 
-    About their mean, for M - b b^T of far slopes would cancel to nothing in float32.
+    They are taken about their mean because M - b b^T of large slopes would cancel to nothing in float32.
     """
     normal = maps.normal.astype(np.float64)
     b = normal[..., :2] / np.maximum(normal[..., 2:], 1e-6)
@@ -77,11 +77,11 @@ class Inputs:
     """How maps are filtered.
 
     pack: the texels of level 0; every coarser one is the mean of four. The twist, where there is one, is appended.
-    resolve: (texel, chain) -> texel, from filtered moments to what is shaded; None where they are the same.
-    reflect: (texel, light, view, diffuse) -> radiance in the road's tangent frame, a lobe of its own in place of the
-        scene's reflectance model, for models whose slopes are Gaussian; other models and maps with twist use
-        `otherwise`.
-    native: (lanes, sun), that lobe over a packet in a form that a CPU compiler vectorises.
+    resolve: (texel, chain) -> texel, from filtered moments to the texel that is shaded; None: they are the same.
+    reflect: (texel, light, view, diffuse) -> radiance in the road's tangent frame: a lobe in place of the scene's
+        reflectance model, for models whose slopes are Gaussian.
+    otherwise: the inputs for other models and for maps with twist.
+    native: (lanes, sun), the native form of that lobe over a packet.
     """
 
     name: str
@@ -93,4 +93,4 @@ class Inputs:
 
 
 BOX = Inputs("box")
-"""Means of the values themselves: what an engine's mip chain holds. Normals are averaged unnormalised."""
+"""Means of the values themselves, as in an engine's mip chain. Mean normals are not normalised."""

@@ -1,28 +1,23 @@
-"""The scene's maps: made or read from files, checked, and packed into mip chains."""
+"""The scene's maps: made, or read from files and checked, and packed into mip chains."""
 
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from sequences import Sequence
+from sequences import Sequence, asphalt, brushed
 from swimlab.render.inputs import Inputs, Level, Map, Maps
 from swimlab.render.kernels.structs import TEXELS
 from swimlab.render.texture import MipChain
 
-if TYPE_CHECKING:
-    from sequences import asphalt
-
-LARGEST_GAUGED_POWER = 12.0
+POWER_OCTAVES = 12.0
 """Integer gloss maps hold power = 2^(1 + 12 c)."""
 
-
 MOST_CHANNELS = {"twist": 2}
-"""Channels that are read of a map that may have more than it must: a twist is an angle or a vector."""
+"""Map -> channels read at most, where this is more than the least it must have: a twist is an angle or a vector."""
 
 
 class MapError(ValueError):
@@ -30,7 +25,7 @@ class MapError(ValueError):
 
 
 class Material:
-    """The maps of a scene, and the mip chains that techniques make of them, each made once when first asked for."""
+    """The maps of a scene, and the mip chains that techniques make of them, each made once on first use."""
 
     def __init__(self, launcher: Launcher, maps: Maps) -> None:
         self._launcher = launcher
@@ -67,9 +62,9 @@ class Material:
 
 
 def load_material(sequence: Sequence, launcher: Launcher, *, twisted: bool = True) -> Material:
-    """The sequence's material; not `twisted`, for a model that has no use for tangents, without its map of twist.
+    """The sequence's material; its map of twist only if `twisted`, for models that use tangents.
 
-    Raises MapError for every way in which a map can be unfit.
+    Raises MapError for a map that cannot be used.
     """
     return Material(launcher, read_maps(sequence, twisted=twisted))
 
@@ -109,9 +104,7 @@ def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
 
 @lru_cache(maxsize=1)
 def _made_twist(seed: int) -> Map:
-    from sequences.brushed import make
-
-    return tangents(make(seed))
+    return tangents(brushed.make(seed))
 
 
 def tangents(angle: Map) -> Map:
@@ -120,10 +113,8 @@ def tangents(angle: Map) -> Map:
 
 
 @lru_cache(maxsize=1)
-def _made(seed: int) -> "asphalt.Maps":
-    from sequences.asphalt import make
-
-    return make(seed)
+def _made(seed: int) -> asphalt.Maps:
+    return asphalt.make(seed)
 
 
 def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> Map:
@@ -151,7 +142,7 @@ def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> 
         return tangent.astype(np.float32)
     gloss = pixels.copy()
     if integer:
-        gloss[..., 1] = 2.0 ** (1.0 + LARGEST_GAUGED_POWER * pixels[..., 1])
+        gloss[..., 1] = 2.0 ** (1.0 + POWER_OCTAVES * pixels[..., 1])
     _require(bool((gloss >= 0).all()), f"{where}: Ks and power must not be negative")
     return gloss
 
@@ -166,7 +157,7 @@ def _read(path: Path, where: str) -> tuple[Map, bool, bool]:
 
     sRGB: as the file's own colour space says where it has one; else 8-bit PNG, JPEG, BMP, GIF and TGA are sRGB.
     """
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy: made maps do not need it
 
     if not path.is_file():
         raise MapError(f"{where}: does not exist")

@@ -12,7 +12,7 @@ from sequences import Camera, Road, Scene
 Doubles = NDArray[np.float64]
 
 ROWS_PER_WAVE = 64
-"""Quads along one wave of a hilly road: the chord then strays from the sine by at most amplitude / 830."""
+"""Quads along one wave of a hilly road: a chord is then off the sine by at most amplitude / 830."""
 WIRE_U = (0.0545, 0.0588)
 """The band of u that wires show: within the left edge line of made asphalt, and as wide as to hold the centre of a
 texel of every map and target of 64 texels and more."""

@@ -1,4 +1,4 @@
-"""What to render: a sequence, techniques, frames, and the hash of all that decides the pixels."""
+"""What to render: a sequence, techniques, frames, and the hash of everything that the pixels depend on."""
 
 import hashlib
 import json
@@ -8,6 +8,9 @@ from difflib import get_close_matches
 from math import isqrt
 from pathlib import Path
 from typing import Any
+
+from fileseq.exceptions import ParseException
+from fileseq.frameset import FrameSet
 
 from sequences import Sequence, load
 from swimlab.render.catalogue import brdf_settings, technique_settings, techniques
@@ -35,10 +38,10 @@ class Plan:
         return self.sequence.model_dump(mode="json") | {"techniques": settings}
 
     def digest(self) -> str:
-        """The settings hash: 16 hexadecimal digits over all that decides the pixels, the map files' bytes included.
+        """The settings hash: 16 hexadecimal digits over all that the pixels depend on, map files' bytes included.
 
-        Only what is not the default counts, so that one more technique, setting or key of the sequence file does not
-        make earlier runs and baselines strangers.
+        Values equal to their defaults are left out, so that a new technique, setting or key of the sequence file does
+        not change the hash of earlier runs and baselines.
         """
         content = {
             "swimlab": SWIMLAB,
@@ -68,7 +71,7 @@ def _changed(settings: Settings) -> dict[str, Any]:
 
 
 def load_sequence(name: str | Path) -> Sequence:
-    """A sequence by name or file, checked against the techniques and reflectance models there are.
+    """A sequence by name or file, checked against the known techniques and reflectance models.
 
     Raises SequenceError with every problem at once.
     """
@@ -86,9 +89,9 @@ def make_plan(
 ) -> Plan:
     """The plan to render techniques of a sequence.
 
-    sequence: a name from the library, a .toml file, or what those are read into. only: techniques by name, None: all.
+    sequence: a name from the library, a .toml file, or a Sequence. only: techniques by name, None: all.
     size: width and height in px, None: the sequence's. frames: as "0-7", None: all.
-    Raises SequenceError or RunError for whatever is wrong.
+    Raises SequenceError for a faulty sequence, RunError for a faulty argument.
     """
     known = techniques()
     names = set(known if only is None else only)
@@ -110,10 +113,7 @@ def make_plan(
 
 
 def parse_frames(text: str, count: int) -> tuple[int, ...]:
-    """Frames of a sequence of `count` from a range as '0-31', '0-30x2' or '3,5'. Raises RunError."""
-    from fileseq.exceptions import ParseException
-    from fileseq.frameset import FrameSet
-
+    """Frames of a sequence of `count` frames, from a range such as '0-31', '0-30x2' or '3,5'. Raises RunError."""
     try:
         frames = tuple(sorted({int(str(frame)) for frame in FrameSet(text)}))
     except (ParseException, ValueError) as error:
@@ -125,14 +125,14 @@ def parse_frames(text: str, count: int) -> tuple[int, ...]:
 
 
 def check_threads(threads: int | None) -> int | None:
-    """The number itself where it is one from 1, or None. Raises RunError otherwise."""
+    """Return `threads` if it is None or at least 1. Raises RunError otherwise."""
     if threads is not None and threads < 1:
         raise RunError(f"--threads {threads}: must be at least 1")
     return threads
 
 
 def check_samples(samples: int) -> int:
-    """The number itself where it is a square from 4 to 4096. Raises RunError otherwise."""
+    """Return `samples` if it is a square number from 4 to 4096. Raises RunError otherwise."""
     if not 4 <= samples <= 4096 or isqrt(samples) ** 2 != samples:
         raise RunError(f"--samples {samples}: must be a square number from 4 to 4096, as 16, 64 or 256")
     return samples

@@ -1,4 +1,4 @@
-"""Rendering the frames of a plan into files, one at a time: what runs and sweeps are made of."""
+"""Rendering the frames of a plan into files, one at a time, for runs and sweeps."""
 
 import time
 from collections.abc import Callable
@@ -28,9 +28,9 @@ That has the digits of the pictures: halves, where those are.
 
 
 class Rendered(NamedTuple):
-    """What is told of a picture that was written.
+    """A picture that was written.
 
-    ms: that it took to render. shaded: samples, texels or vertices. rms_error: its own standard error, where known.
+    ms: time to render it. shaded: samples, texels or vertices. rms_error: its own standard error, where known.
     """
 
     ms: float
@@ -92,7 +92,7 @@ def check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:
 
 
 def _begin(sequence: Sequence, name: str) -> Callable[[Shot], Picture]:
-    """What renders the sequence's shots under a technique with the settings that the sequence gives it."""
+    """The function that renders shots under a technique, with the settings that the sequence gives it."""
     technique = techniques()[name]
     settings = technique.settings.model_validate(sequence.techniques.get(name, {}))
     render = technique.begin()

@@ -23,10 +23,10 @@ def render_run(
     command: str = "",
     advance: Callable[[str], None] = lambda _: None,
 ) -> Record:
-    """Render every picture of the plan that the run folder does not hold yet; `force` renders all anew.
+    """Render every picture of the plan that the run folder does not hold yet; `force` renders all of them again.
 
     `advance` is called with a technique's name after each of its pictures. Raises RunError where the folder holds a run
-    of another settings hash, MapError for unfit maps. An interrupt loses nothing that was written.
+    of another settings hash, MapError for maps that cannot be used. An interrupt loses nothing that was written.
     """
     with Launcher(threads=threads, device=device) as launcher:
         renderer = Renderer(plan, launcher, digest=plan.digest())
@@ -64,10 +64,10 @@ def render_run(
 
 
 def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
-    """The record to go on with: the folder's own where it is of the same settings, else a new one.
+    """The record to continue: the folder's own where its settings are the same, else a new one.
 
     Raises RunError where the folder holds other settings; with `force` their pictures are removed instead. Pictures of
-    techniques of one's own whose code has changed since are removed in any case.
+    your own techniques whose code has changed since are always removed.
     """
     before = earlier_record(plan, run, force=force)
     if before is None:
@@ -114,7 +114,7 @@ def earlier_record(plan: Plan, run: Path, *, force: bool) -> Record | None:
 
 
 def outdated(plan: Plan, record: Record) -> list[str]:
-    """Techniques of one's own that the plan renders, and that a run holds as rendered by other code."""
+    """Your own techniques in the plan whose pictures in the run were rendered by other code."""
     own = own_code()
     return [name for name in plan.techniques if name in own and record.code.get(name) != own[name]]
 

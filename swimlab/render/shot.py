@@ -1,4 +1,4 @@
-"""One frame to render: everything that the techniques share, set up once."""
+"""One frame to render: everything that all techniques share, set up once."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -53,13 +53,13 @@ class Shot:
         projection = screen_projection(self.view.camera, height, width)
         return on_screen(self.launcher, self.mesh, projection, thinnest=self.thinnest * max(self.view.pitch))
 
-    def inputs(self, wanted: Inputs) -> Inputs:
-        """The inputs themselves, or what stands for them where their own lobe is not the scene's model's."""
+    def inputs(self, preferred: Inputs) -> Inputs:
+        """The preferred inputs, or their `otherwise` where their own lobe does not fit the scene's model."""
         fits = self.model.slopes_are_gaussian and not self.material.twisted
-        return wanted if fits or wanted.otherwise is None else wanted.otherwise
+        return preferred if fits or preferred.otherwise is None else preferred.otherwise
 
     def shade_packet(self, inputs: Inputs, width: int) -> wp.Function:
-        """The shading of a packet of texels of `width` floats: native on the CPU where there is such a form."""
+        """The function that shades a packet of texels of `width` floats: on the CPU the native form if any."""
         on_cpu = self.launcher.device == "cpu"
         if inputs.native is not None and on_cpu:
             return inputs.native

@@ -38,7 +38,7 @@ Need = NDArray[np.int32]
 class Screen:
     """Which pixel sees which segment.
 
-    visible: [H, W] on the device, the triangle seen by each pixel. rows: of every segment in sight the first row that
+    visible: [H, W] on the device, the triangle seen by each pixel. rows: segment in sight -> the first row that
     sees it, and one past the last.
     """
 
@@ -57,8 +57,8 @@ class Screen:
         owner = np.where(seen >= 0, shot.mesh.segments[seen], np.iinfo(np.int64).min)
         rows: dict[int, tuple[int, int]] = {}
         for segment in np.unique(owner[seen >= 0]).tolist():
-            those = np.flatnonzero(np.any(owner == segment, axis=1))
-            rows[segment] = int(those[0]), int(those[-1]) + 1
+            seen_in = np.flatnonzero(np.any(owner == segment, axis=1))
+            rows[segment] = int(seen_in[0]), int(seen_in[-1]) + 1
         segments = launcher.array(shot.mesh.segments - int(shot.mesh.segments[0]), wp.int32)
         return Screen(shot, anisotropy, visible, rows, segments)
 
@@ -74,7 +74,7 @@ class Screen:
 
         self.shot.launcher.each(range(len(strips)), fill)
         need = np.minimum.reduce([each.numpy() for each in found])
-        # Texels larger than a triangle may miss it: those are shaded finer, and reduced.
+        # Texels larger than a triangle may miss it, so they are shaded at a finer level and reduced.
         coarsest = max(0, floor(log2(narrowest(self.shot.mesh, segment) * chain.width)))
         return np.where(need == NEVER, NEVER, np.minimum(need, coarsest)).astype(np.int32)
 
@@ -109,7 +109,7 @@ class Screen:
 
 @dataclass
 class Lighting:
-    """Lights the targets of one frame; a target's memory is used again for the next of its size."""
+    """Lights the targets of one frame. Targets of one size share one piece of memory, one after another."""
 
     shot: Shot
     inputs: Inputs
@@ -121,7 +121,7 @@ class Lighting:
 
     @cached_property
     def _shade_between(self) -> Callable[..., None]:
-        """For texels that lie between the maps': blending two normals is no roughness."""
+        """For texels finer than the maps': two normals blended by magnification are no roughness."""
         return shading(self.shot, ISOTROPIC, 1, BOX)
 
     def target(self, size: int) -> MipChain:
@@ -184,7 +184,7 @@ class Lighting:
 
 
 def tile_level_of(size: int) -> int:
-    """The level of a target of which a texel is a tile."""
+    """The level of a target at which one texel covers one tile."""
     return min(size, TILE).bit_length() - 1
 
 

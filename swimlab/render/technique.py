@@ -1,4 +1,4 @@
-"""What a technique is, and how the pixel-shading ones are made of a texture filter."""
+"""What a technique is, and how pixel-shading techniques are made of a texture filter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
+from pydantic import Field
 
 from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.packet import resolved
 from swimlab.render.kernels.samples import shade_samples
-from swimlab.render.kernels.texture_filter import TextureFilter
+from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.triangles import Triangles, visibility
@@ -24,8 +25,8 @@ Image = NDArray[np.float32]
 class Picture(NamedTuple):
     """A rendered frame.
 
-    rgba: [H, W, 4], linear, premultiplied. error: its own standard error where known, alike. shaded: how many samples,
-    texels or vertices the reflectance model was evaluated for.
+    rgba: [H, W, 4], linear, premultiplied. error: its standard error where known, same layout. shaded: how many
+    samples, texels or vertices the reflectance model was evaluated for.
     """
 
     rgba: Image
@@ -34,15 +35,15 @@ class Picture(NamedTuple):
 
 
 Render = Callable[[Shot, Any], Picture]
-"""A shot's picture under a technique's settings: a function of these two alone."""
+"""From a shot and a technique's settings to the picture, which depends on nothing else."""
 
 
 @dataclass(frozen=True)
 class Technique:
     """An order of filtering and shading, with its name, one line about it, its source and its settings.
 
-    memory: for a technique whose frames build on one another, what makes a renderer of the very same pictures that
-        keeps what the next frame needs, so that a clip's frames in turn cost one frame each.
+    memory: for a technique whose frames build on earlier ones, makes a renderer that keeps what the next frame needs.
+        Its pictures are the same, and frames rendered in order cost one frame each.
     """
 
     name: str
@@ -86,12 +87,27 @@ def render_samples(
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
 
 
-def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
-    """What shades a strip of a grid of n x n samples a pixel, of the screen or of a target in texture space.
+class MomentSettings(Settings):
+    """How far a footprint may be stretched."""
 
-    It is called with grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
-    shaded ([H], samples), and adds to rows of the former two, and fills rows of the latter, from `row` on (default: the
-    strip's own). Kernels are made here, once, and not in the threads that call it.
+    anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
+
+
+def moment_technique(inputs: Inputs, *, summary: str, source: str) -> Technique:
+    """The technique of some inputs: they are read anisotropically at the pixel's centre and shaded once."""
+
+    def render(shot: Shot, settings: MomentSettings) -> Picture:
+        return render_samples(shot, anisotropic_to(settings.anisotropy), n=1, inputs=inputs)
+
+    return Technique(name=inputs.name, summary=summary, source=source, render=render, settings=MomentSettings)
+
+
+def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
+    """The function that shades a strip of n x n samples a pixel, of the screen or of a target in texture space.
+
+    Its arguments are grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
+    shaded ([H], samples). It adds to rows of picture and error and fills rows of shaded, from `row` on (default: the
+    strip's first). Kernels are made here, once, and not in the threads that call the function.
     """
     launcher, sun = shot.launcher, shot.sun
     inputs = shot.inputs(inputs)

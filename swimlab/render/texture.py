@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.kernels.mip import HALVE
+from swimlab.render.kernels.sampling import HALVE
 from swimlab.render.kernels.structs import Chain
 
 

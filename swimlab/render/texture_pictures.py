@@ -30,7 +30,7 @@ NORMALS = Inputs("normals", reflect=cast(wp.Function, normal_as_colour))
 
 
 def check_targets(plan: Plan) -> None:
-    """Raise RunError where a plan has no targets to write."""
+    """Raise RunError where a plan has no technique with targets."""
     if "tsl" not in plan.techniques:
         raise RunError("--targets: writes the targets of tsl; add it to --techniques")
 
@@ -63,13 +63,13 @@ def flattened(target: MipChain, need: Need) -> Image:
     """A target as one picture [size, size, 4]: each tile at the level it was shaded at, 0 where it was not."""
     size = target.shape.width
     texels, offsets = target.texels.numpy(), target.shape.offsets.numpy()
-    wanted = np.kron(need, np.ones((size // len(need),) * 2, np.int32))
+    levels = np.kron(need, np.ones((size // len(need),) * 2, np.int32))
     out = np.zeros((size, size, 4), np.float32)
     for level in np.unique(need[need != NEVER]).tolist():
         side = size >> level
         first = int(offsets[level])
         picture = texels[first : first + side * side].reshape(side, side, 4)
-        mine: Any = wanted == level
+        mine: Any = levels == level
         out[mine] = picture.repeat(1 << level, axis=0).repeat(1 << level, axis=1)[mine]
     return out
 

@@ -48,10 +48,10 @@ def screen_projection(camera: Camera, height: int, width: int) -> Doubles:
 def on_screen(
     launcher: Launcher, mesh: Mesh, projection: Doubles, *, carried: Doubles | None = None, thinnest: float = 0.0
 ) -> Triangles:
-    """The mesh as the camera sees it, without what faces away from it.
+    """The mesh as the camera sees it, without triangles that face away.
 
-    carried: [N, 3], values to interpolate in the place of the positions. thinnest: px; loose triangles of a lesser
-    altitude on the screen are not drawn either, as hardware that samples pixels sees them now and then only.
+    carried: [N, 3], values to interpolate in place of the positions. thinnest: px; loose triangles of a lesser
+    altitude on the screen are not drawn either, as sampling would hit them only now and then.
     """
     points = mesh.positions @ projection.T
     facing = mesh.facing
@@ -65,8 +65,8 @@ def on_screen(
 def in_texture(launcher: Launcher, mesh: Mesh, segment: int, texel: float) -> Triangles:
     """One segment's triangles drawn with atlas coordinates as positions; the image is the unit square.
 
-    What faces away from the eye is left out (Sloan & Baker, Drawing polygons on the backside). A chart narrower than a
-    texel is widened to one about its middle, or it might hold no texel's centre.
+    Triangles that face away from the eye are left out (Sloan & Baker, Drawing polygons on the backside). A chart
+    narrower than a texel is widened to one about its middle, as it might hold no texel's centre.
     """
     mine = mesh.segments == segment
     chosen = np.flatnonzero(mine & mesh.facing)

@@ -15,8 +15,7 @@ from metrics.kernels.launch import Launcher
 from sequences import asphalt
 from swimlab.render.brdf import Model
 from swimlab.render.catalogue import brdfs
-from swimlab.render.kernels.evaluation import cosines, evaluations
-from swimlab.render.kernels.inspection import shaded_samples
+from swimlab.render.kernels.inspection import cosines, evaluations, shaded_samples
 from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import in_local_frame
 from swimlab.render.kernels.structs import LANES, TEXELS, Sun

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.inputs import Inputs, Maps
-from swimlab.render.kernels.coarsest import resolve_coarsest
+from swimlab.render.kernels.inspection import resolve_coarsest
 from swimlab.render.material import Material
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 from swimlab.report.charts import Axis, Line

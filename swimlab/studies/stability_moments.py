@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.inputs import Inputs, Maps, variances
-from swimlab.render.kernels.coarsest import resolve_coarsest
+from swimlab.render.kernels.inspection import resolve_coarsest
 from swimlab.render.material import Material
 from swimlab.render.techniques import clean, lean
 from swimlab.studies.stability_twin import Doubles, rms, unit

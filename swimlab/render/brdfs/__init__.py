@@ -1,1 +1,1 @@
-"""One reflectance model a file. A file here is found by itself (see `registry`)."""
+"""Reflectance models, one a file. `runs/registry.py` finds every file here."""

@@ -1,11 +1,11 @@
-"""Ashikhmin & Shirley 2000: an anisotropic lobe over a diffuse term that loses what the lobe reflects.
+"""Ashikhmin & Shirley 2000: an anisotropic lobe over a diffuse term that loses the light that the lobe reflects.
 
 C = pi (rho_s + rho_d) sat(N.L), 0 where light or eye are below the surface, with
 rho_s = sqrt((nu+1)(nv+1)) / (8 pi) (N.H)^((nu (H.T)^2 + nv (H.B)^2) / (1 - (N.H)^2)) / (H.V max(N.L, N.V)) F(H.V)
 rho_d = 28 Kd / (23 pi) (1 - Ks) (1 - (1 - N.L/2)^5) (1 - (1 - N.V/2)^5)
 and F Schlick's approximation from Ks, the reflectance at normal incidence (0..1). nu = power / anisotropy and
 nv = power anisotropy: above 1 the highlight is drawn out along the tangent. The sun's irradiance is pi, so the deck's
-diffuse intensity has no part here.
+diffuse intensity is not used.
 """
 
 from functools import cache
@@ -16,6 +16,9 @@ from pydantic import Field
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.settings import Settings
+
+LEAST_DIVISOR = 1e-30
+"""H.V max(N.L, N.V) is no less, as it would underflow to 0 where light and eye lie in the horizon, opposite."""
 
 
 class AshikhminShirleySettings(Settings):
@@ -62,7 +65,8 @@ def direct(settings: AshikhminShirleySettings) -> Model:
         if sine_squared > 0.0:
             along = h[0] * h[0] / sine_squared
         lobe = power_of_cosine(h, nu * along + nv * (1.0 - along)) * wp.sqrt((nu + 1.0) * (nv + 1.0)) / 8.0
-        specular = lobe * schlick(ks, cosine) * light[2] / (cosine * wp.max(light[2], view[2]))
+        below = wp.max(cosine * wp.max(light[2], view[2]), LEAST_DIVISOR)
+        specular = lobe * schlick(ks, cosine) * light[2] / below
         body = 28.0 / 23.0 * wp.max(1.0 - ks, 0.0) * entering(light[2]) * entering(view[2]) * light[2]
         return albedo * body + wp.vec3(specular, specular, specular)
 

@@ -1,7 +1,7 @@
 """Ashikhmin-Shirley (see `ashikhmin_shirley.py`) by four tables of two variables, in the manner of Kautz & McCool 1999.
 
 They factor a sampled model numerically; this one factors by its formula, so that powers and anisotropy need no fit:
-stretch (cos^2 of H's azimuth, N.H) -> what makes of sin H the sine k of an isotropic lobe of the same power;
+stretch (cos^2 of H's azimuth, N.H) -> k / sin H, k the sine at which an isotropic lobe of the power is as high;
 lobe (k, power) -> (1 - k^2)^(power/2), as in `blinn_phong_factored.py`;
 fresnel (H.V, Ks) -> F; body (N.L, N.V) -> the product of the diffuse term.
 The divisions by H.V and max(N.L, N.V), which no table holds as they grow without bound, are computed. Ks is in 0..1.
@@ -13,7 +13,7 @@ import numpy as np
 import warp as wp
 
 from swimlab.render.brdf import Brdf, Model
-from swimlab.render.brdfs.ashikhmin_shirley import AshikhminShirleySettings
+from swimlab.render.brdfs.ashikhmin_shirley import LEAST_DIVISOR, AshikhminShirleySettings
 from swimlab.render.brdfs.blinn_phong_factored import lobe_coordinates, lobe_table
 from swimlab.render.kernels.table import Doubles, tabulated
 
@@ -64,7 +64,8 @@ def factored(settings: AshikhminShirleySettings) -> Model:
         place = lobe_coordinates(sine * stretch_at(along, middle[2] / length), power)
         scale = wp.sqrt((power / anisotropy + 1.0) * (power * anisotropy + 1.0)) / 8.0
         lobe = lobe_at(place[0], place[1]) * scale
-        specular = lobe * fresnel_at(cosine, ks) * light[2] / (cosine * wp.max(light[2], view[2]))
+        below = wp.max(cosine * wp.max(light[2], view[2]), LEAST_DIVISOR)
+        specular = lobe * fresnel_at(cosine, ks) * light[2] / below
         lambert = 28.0 / 23.0 * wp.max(1.0 - ks, 0.0) * body_at(light[2], view[2]) * light[2]
         return albedo * lambert + wp.vec3(specular, specular, specular)
 

@@ -6,8 +6,8 @@ tilts where light and eye stand high, so at 1/4 the highlight is then as wide ov
 The normalisation k(n) is
 none: 1, the deck's radiance as written; a wider highlight is then a brighter one, so that techniques which widen
 highlights add light;
-energy: sqrt((2 n + 5) / (16 pi)), for which, seen from across the strands, the light reflected is Ks of what comes, to
-1% at n = 0 and better at larger n.
+energy: sqrt((2 n + 5) / (16 pi)), with which Ks of the light is reflected, seen from across the strands, to 1% at
+n = 0 and better at larger n.
 """
 
 from functools import cache

@@ -3,7 +3,7 @@
 The specular term is not gated by N.L: this is the deck's radiance as written. Its normalisation n(p) is
 deck: p;
 ndf: (p + 2) / (2 pi), for which the lobe is a distribution of normals, its integral over N.H d(omega) 1;
-energy: (p + 2)(p + 4) / (8 pi (2^(-p/2) + p)), for which at normal incidence the light reflected is Ks of what comes;
+energy: (p + 2)(p + 4) / (8 pi (2^(-p/2) + p)), with which Ks of the light is reflected at normal incidence;
 the usual (p + 8) / (8 pi) is above that by 7.5% at p = 10 and .2% at p = 1000.
 """
 
@@ -14,9 +14,9 @@ import warp as wp
 from pydantic import Field
 
 from swimlab.render.brdf import Brdf, Model
-from swimlab.render.kernels.shading import power_of_cosine
-from swimlab.render.kernels.snippets import EXP2, LOGARITHM, half_vector
-from swimlab.render.kernels.structs import Sun
+from swimlab.render.kernels.forms import EXP2, LOGARITHM, Twins, Within, form, half_vector_code
+from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.shading import in_local_frame, power_of_cosine
 from swimlab.render.settings import Settings
 
 
@@ -62,7 +62,7 @@ NATIVE = f"""{EXP2}{LOGARITHM}
     const float lx = sun.direction[0], ly = sun.direction[1], lz = sun.direction[2], diffuse = sun.diffuse;
     #pragma clang loop vectorize(assume_safety) vectorize_width(16)
     for (int k = 0; k < 64; ++k) {{
-{half_vector(8)}
+{half_vector_code(8)}
         const float h = 1.0f/__builtin_sqrtf(hx*hx + hy*hy + hz*hz), ux = hx*h, uy = hy*h, uz = hz*h;
         float nx = a[3*64 + k], ny = a[4*64 + k], nz = a[5*64 + k];
         const float n = 1.0f/__builtin_sqrtf(nx*nx + ny*ny + nz*nz);
@@ -88,9 +88,9 @@ NATIVE = f"""{EXP2}{LOGARITHM}
 
 
 @cache
-def with_normalisation(settings: BlinnPhongSettings) -> Model:
-    """The model, plain and native."""
-    factor = FACTORS[settings.normalisation]
+def evaluate_with(normalisation: str) -> wp.Function:
+    """The plain model."""
+    factor = FACTORS[normalisation]
 
     @wp.func(module="unique")
     def evaluate(
@@ -100,10 +100,21 @@ def with_normalisation(settings: BlinnPhongSettings) -> Model:
         lambert = wp.clamp(light[2], 0.0, 1.0) * diffuse
         return albedo * lambert + wp.vec3(specular, specular, specular)
 
-    @wp.func_native(NATIVE.replace("FACTOR", NATIVE_FACTORS[settings.normalisation]))
-    def native(lanes: wp.array(dtype=wp.float32), sun: Sun): ...
+    return evaluate
 
-    return Model(evaluate, native, slopes_are_gaussian=settings.normalisation == "deck")
+
+@form(cases=[(name,) for name in FACTORS], agrees=Within("native against plain"))
+def packet_with(normalisation: str) -> Twins:
+    """The model over a packet of 8-float texels."""
+    plain = plain_packet(in_local_frame(evaluate_with(normalisation), 8), 8)
+    return Twins(plain, NATIVE.replace("FACTOR", NATIVE_FACTORS[normalisation]), 8)
+
+
+@cache
+def with_normalisation(settings: BlinnPhongSettings) -> Model:
+    """The model, plain and native."""
+    name = settings.normalisation
+    return Model(evaluate_with(name), packet_with(name).native, slopes_are_gaussian=name == "deck")
 
 
 BRDF = Brdf(

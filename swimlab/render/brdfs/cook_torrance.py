@@ -4,7 +4,7 @@ C = pi f sat(N.L), f = Kd / pi + F D G / (4 N.L N.V), with D = exp(-tan^2 a / m^
 H, G = min(1, 2 N.H N.V / V.H, 2 N.H N.L / V.H), and F Schlick's approximation from Ks, the reflectance at normal
 incidence (0..1). The 1982 paper has pi for the 4 and D without its 1/pi, which is four times as bright.
 m = sqrt(2 / (power + 2)), with which D peaks as high as Blinn-Phong's normalised distribution. The sun's irradiance is
-pi, so the deck's diffuse intensity has no part here. The microfacets' term is 0 where light or eye are below the
+pi, so the deck's diffuse intensity is not used. The microfacets' term is 0 where light or eye are below the
 surface.
 """
 

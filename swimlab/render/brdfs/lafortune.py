@@ -5,9 +5,9 @@ multiple of Blinn-Phong's power: a mirror's lobe (-1, -1, 1), whose angle moves 
 as wide as Blinn-Phong's at a quarter of it. The normalisation is
 none: 1, as the paper writes the lobes; a wider highlight is then a brighter one, so that techniques which widen
 highlights add light, and Ks has no unit;
-energy: (n_i + 2) / (2 pi), with which a mirror's lobe reflects Ks of what comes at normal incidence.
+energy: (n_i + 2) / (2 pi), with which a mirror's lobe reflects Ks of the light at normal incidence.
 Coefficients are in -1..1, so that no power overflows: a scale belongs in Ks. The sun's irradiance is pi, so the deck's
-diffuse intensity has no part here. Lobes are 0 where light or eye are below the surface.
+diffuse intensity is not used. Lobes are 0 where light or eye are below the surface.
 """
 
 from functools import cache

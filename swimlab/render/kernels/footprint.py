@@ -12,7 +12,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Ellipse:
-    """A pixel's footprint in texels: half-open axes' full lengths and the direction of the major one."""
+    """A pixel's footprint in texels: full lengths of its axes and the direction of the major one."""
 
     major: wp.float64
     minor: wp.float64

@@ -10,7 +10,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Previous:
-    """The previous frame: what takes a position relative to the eye now to image px (x w, y w, w), and its grid."""
+    """The previous frame: its grid, and the projection of a position about the present eye to px (x w, y w, w)."""
 
     projection: wp.mat33d
     offset: wp.vec3d

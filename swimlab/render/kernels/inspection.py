@@ -1,12 +1,12 @@
-"""Kernels that show what device functions give for single samples, without a picture."""
+"""Kernels that show what device functions return for single samples, without a picture: for studies and tests."""
 
 import functools
+from typing import Any
 
 import warp as wp
 
 from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.locate import PLACES
-from swimlab.render.kernels.packet import put_in, radiance, rows_of
+from swimlab.render.kernels.packet import PLACES, put_in, radiance, rows_of
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
@@ -30,9 +30,9 @@ def surfaces(
     dy: wp.array2d(dtype=wp.vec2d),
     position: wp.array2d(dtype=wp.vec3d),
 ):
-    """Of what each sample of a grid sees: uv, its derivatives by cell right and down, position relative to the eye.
+    """The surface that each sample of a grid sees: uv, its derivatives by cell right and down, position about the eye.
 
-    All are left as they are where it sees nothing.
+    Samples that see nothing leave all of them unchanged.
     """
     j, i = wp.tid()
     triangle = visible[j, i]
@@ -48,7 +48,7 @@ def surfaces(
 def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
     texel_type = TEXELS[width]
-    put = put_in(width)
+    put = put_in(width).native
     floats = LANES * rows_of(width)
 
     @wp.kernel(module="unique", enable_backward=False)
@@ -97,5 +97,47 @@ def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
         fill(texels, chain, own, count, lanes)
         for k in range(width * LANES):
             out[packet, k] = lanes[k]
+
+    return kernel
+
+
+@functools.cache
+def resolve_coarsest(resolve: wp.Function) -> wp.Kernel:
+    """The kernel that resolves the moments of the last texel of a chain."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(chain: Chain, texels: wp.array(dtype=Any), out: wp.array(dtype=Any)):
+        out[0] = resolve(texels[chain.offsets[chain.levels - 1]], chain)
+
+    return kernel
+
+
+@wp.func
+def cosines(
+    albedo: wp.vec3, ks: wp.float32, power: wp.float32, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
+) -> wp.vec3:
+    """In place of a reflectance model the least that reads all its inputs: the cost of the loop alone."""
+    return albedo * (light[2] + view[2])
+
+
+@functools.cache
+def evaluations(evaluate: wp.Function, each: int = LANES) -> wp.Kernel:
+    """The kernel that adds up red over `each` evaluations a thread, under one albedo, Ks and power."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        albedo: wp.vec3,
+        ks: wp.float32,
+        power: wp.float32,
+        diffuse: wp.float32,
+        light: wp.array(dtype=wp.vec3),
+        view: wp.array(dtype=wp.vec3),
+        out: wp.array(dtype=wp.float32),
+    ):
+        thread = wp.tid()
+        total = wp.float32(0.0)
+        for i in range(thread * each, thread * each + each):
+            total += evaluate(albedo, ks, power, light[i], view[i], diffuse)[0]
+        out[thread] = total
 
     return kernel

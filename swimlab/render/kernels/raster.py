@@ -8,6 +8,7 @@ with the top-left rule exactly one of them owns a sample on it.
 
 import warp as wp
 
+from swimlab.render.kernels.forms import Twins, form
 from swimlab.render.kernels.structs import Edges, Grid, Planes
 
 NEAR = 0.01
@@ -57,7 +58,7 @@ def inverse_depth(planes: Planes, p: wp.vec2d) -> wp.float64:
 
 @wp.func
 def row_span(edges: Edges, grid: Grid, j: wp.int32) -> wp.vec2i:
-    """First and one past the last cell of row j that a triangle may own samples in (a superset, by a cell or two)."""
+    """First and one past the last cell of row j that a triangle may own samples in (a superset by a cell or two)."""
     top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
     first = wp.float64(0.0)
     last = wp.float64(grid.width)
@@ -114,11 +115,23 @@ CLAIM = """
 """
 
 
-@wp.func_native(CLAIM)
-def claim(
-    visible: wp.array2d(dtype=wp.int32), row: wp.int32, first: wp.int32, last: wp.int32, value: wp.int32
-) -> wp.bool:
-    """Write `value` to the cells of a run in which there is none >= 0 yet, and whether that was all of them."""
+@form()
+def claiming() -> Twins:
+    """The function that writes `value` to the cells of a run that hold none >= 0 yet. True: it wrote all of them."""
+
+    @wp.func(module="unique")
+    def claim(
+        visible: wp.array2d(dtype=wp.int32), row: wp.int32, first: wp.int32, last: wp.int32, value: wp.int32
+    ) -> wp.bool:
+        taken = wp.int32(0)
+        for i in range(first, last):
+            if visible[row, i] >= 0:
+                taken += 1
+            else:
+                visible[row, i] = value
+        return taken == 0
+
+    return Twins(claim, CLAIM)
 
 
 CLEAR = """
@@ -127,9 +140,19 @@ CLEAR = """
 """
 
 
-@wp.func_native(CLEAR)
-def clear(visible: wp.array2d(dtype=wp.int32), row: wp.int32, cells: wp.int32):
-    """Write -1 to a row."""
+@form()
+def clearing() -> Twins:
+    """The function that writes -1 to a row."""
+
+    @wp.func(module="unique")
+    def clear(visible: wp.array2d(dtype=wp.int32), row: wp.int32, cells: wp.int32):
+        for i in range(cells):
+            visible[row, i] = -1
+
+    return Twins(clear, CLEAR)
+
+
+claim, clear = claiming().native, clearing().native
 
 
 @wp.kernel

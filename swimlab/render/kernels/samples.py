@@ -1,11 +1,11 @@
-"""Shading the samples of a grid: what pixel shading, texture-space lighting and the reference have in common."""
+"""Shading the samples of a grid: the core of pixel shading, texture-space lighting and the reference."""
 
 import functools
 
 import warp as wp
 
-from swimlab.render.kernels.locate import PLACES, locate_before
-from swimlab.render.kernels.packet import rows_of
+from swimlab.render.kernels.forms import Twins, form
+from swimlab.render.kernels.packet import PLACES, locate_before, rows_of
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
 
 GATHER = """
@@ -35,18 +35,37 @@ GATHER = """
 """.replace("LANES", str(LANES))
 
 
-@wp.func_native(GATHER)
-def gather(
-    lanes: wp.array(dtype=wp.float32),
-    first: wp.int32,
-    count: wp.int32,
-    n: wp.int32,
-    y: wp.int32,
-    j: wp.int32,
-    picture: wp.array2d(dtype=wp.vec4),
-    error: wp.array2d(dtype=wp.vec4),
-):
-    """Add a packet's radiance to its pixels, and to `error` with the signs of the two halves of a checkerboard."""
+@form()
+def gathering() -> Twins:
+    """The function that adds a packet's radiance to its pixels, row j of `picture`.
+
+    With n > 1 it is added to `error` too, with the signs of the two halves of a checkerboard.
+    """
+
+    @wp.func(module="unique")
+    def gather(
+        lanes: wp.array(dtype=wp.float32),
+        first: wp.int32,
+        count: wp.int32,
+        n: wp.int32,
+        y: wp.int32,
+        j: wp.int32,
+        picture: wp.array2d(dtype=wp.vec4),
+        error: wp.array2d(dtype=wp.vec4),
+    ):
+        for k in range(count):
+            i = (first + k) / n
+            colour = wp.vec4(lanes[k], lanes[LANES + k], lanes[2 * LANES + k], 1.0)
+            if n == 1:
+                picture[j, i] = colour
+            else:
+                share = 1.0 / wp.float32(n * n - n * n / 2)
+                if (first + k - i * n + y) & 1 == 1:
+                    share = -1.0 / wp.float32(n * n / 2)
+                picture[j, i] += colour
+                error[j, i] += colour * share
+
+    return Twins(gather, GATHER)
 
 
 @functools.cache
@@ -54,13 +73,13 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
     """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
 
     A packet is a run of cells in a row that see one triangle: they are located on it, filled with filtered texels of
-    `width` floats, shaded, and gathered into pixels. The `fill` is what sets one technique apart from another.
-    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which is to be 0
+    `width` floats, shaded, and gathered into pixels. Techniques differ in `fill`.
+    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which must be 0
     before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
     between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
     """
     texel_type = TEXELS[width]
-    locate = locate_before(width)
+    locate, gather = locate_before(width).native, gathering().native
     floats = LANES * rows_of(width)
 
     @wp.kernel(module="unique", enable_backward=False)

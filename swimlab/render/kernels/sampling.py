@@ -1,6 +1,7 @@
-"""Texture filters over a packed mip chain, for texels of any vector type.
+"""Mip chains on the device, for texels of any vector type: how they are built, and the texture filters that read them.
 
-Texel centres lie at (i + .5) / n. Addresses repeat or clamp as the chain says.
+The levels of a chain are packed one after another; every texel of a level is the mean of the 2x2 below it. Texel
+centres lie at (i + .5) / n. Addresses repeat or clamp as the chain says.
 """
 
 import functools
@@ -9,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.render.kernels.footprint import ellipse, isotropic_level
-from swimlab.render.kernels.structs import Chain, Surface
+from swimlab.render.kernels.structs import TEXELS, Chain, Surface
 
 LEAST_BLEND = 1e-6
 """A coarser level that would weigh less than float rounding is not read."""
@@ -29,6 +30,25 @@ def fetch(texels: wp.array(dtype=Any), chain: Chain, level: wp.int32, i: wp.int3
         i = i & (width - 1)
         j = j & (height - 1)
     return texels[chain.offsets[level] + j * width + i]
+
+
+@wp.kernel
+def halve(level: wp.int32, chain: Chain, texels: wp.array(dtype=Any)):
+    """Fill one texel of `level` from the level below; a side that is already 1 texel long stays so."""
+    j, i = wp.tid()
+    below = level - 1
+    right = wp.min(2 * i + 1, wp.max(chain.width >> below, 1) - 1)
+    lower = wp.min(2 * j + 1, wp.max(chain.height >> below, 1) - 1)
+    total = fetch(texels, chain, below, 2 * i, 2 * j) + fetch(texels, chain, below, right, 2 * j)
+    total += fetch(texels, chain, below, 2 * i, lower) + fetch(texels, chain, below, right, lower)
+    texels[chain.offsets[level] + j * wp.max(chain.width >> level, 1) + i] = total * 0.25
+
+
+HALVE = {
+    dtype: wp.overload(halve, {"level": wp.int32, "chain": Chain, "texels": wp.array(dtype=dtype)})
+    for dtype in TEXELS.values()
+}
+"""`halve` for every kind of texel."""
 
 
 @wp.func

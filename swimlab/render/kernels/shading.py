@@ -42,8 +42,8 @@ def power_below_one(x: wp.float32, power: wp.float32) -> wp.float32:
 def power_of_cosine(h: wp.vec3, power: wp.float32) -> wp.float32:
     """sat(h.z)^power for a unit vector h of the local frame, good to powers of 1e5.
 
-    Within 45 degrees of the peak the power is taken of the sine, (1 - h.x^2 - h.y^2)^(power/2): a float's h.z has lost
-    the digits that the power multiplies. Towards the horizon it is the sine that has lost those of h.z.
+    Within 45 degrees of the peak it is (1 - h.x^2 - h.y^2)^(power/2): near 1, h.z in float32 lacks the digits that the
+    power multiplies. Towards the horizon the sine lacks them, and the power is taken of h.z.
     """
     if h[2] <= 0.0:
         return wp.where(power == 0.0, 1.0, 0.0)
@@ -57,8 +57,8 @@ def power_of_cosine(h: wp.vec3, power: wp.float32) -> wp.float32:
 def half_vector(light: wp.vec3, view: wp.vec3) -> wp.vec3:
     """The unit vector halfway between two unit vectors, also nearly opposite ones; 0 between opposite ones.
 
-    As |L| = |V|, L + V has nothing along L - V: what it has there is the rounding of their lengths, and is taken off
-    where L + V is short and L - V has nearly all of |L + V|^2 + |L - V|^2 = 4.
+    As |L| = |V|, L + V is perpendicular to L - V. What it has along L - V is rounding, which matters where L + V is
+    short; there |L - V|^2 is nearly 4, and that part is subtracted.
     """
     total = light + view
     apart = light - view
@@ -66,9 +66,9 @@ def half_vector(light: wp.vec3, view: wp.vec3) -> wp.vec3:
 
 
 @wp.func
-def tangent_about(normal: wp.vec3, wanted: wp.vec3) -> wp.vec3:
-    """The unit tangent nearest to `wanted`; across the road where `wanted` has no direction beside the normal."""
-    tangent = wanted - normal * wp.dot(normal, wanted)
+def tangent_about(normal: wp.vec3, along: wp.vec3) -> wp.vec3:
+    """The unit tangent nearest to `along`; across the road where `along` is parallel to the normal."""
+    tangent = along - normal * wp.dot(normal, along)
     if wp.length_sq(tangent) < 1.0e-12:
         axis = wp.where(wp.abs(normal[0]) < 0.9, wp.vec3(1.0, 0.0, 0.0), wp.vec3(0.0, 1.0, 0.0))
         tangent = axis - normal * wp.dot(normal, axis)
@@ -77,10 +77,10 @@ def tangent_about(normal: wp.vec3, wanted: wp.vec3) -> wp.vec3:
 
 @functools.cache
 def in_local_frame(evaluate: wp.Function, width: int) -> wp.Function:
-    """A reflectance model over filtered texels of `width` floats, turned into the per-pixel local frame.
+    """A reflectance model over filtered texels of `width` floats, evaluated in the local frame of each texel.
 
-    That frame has the texel's normal (of any length but 0) as (0, 0, 1) and its tangent, the road's x axis if the maps
-    have no twist, as (1, 0, 0). Parameters: texel, unit vectors to light and eye in the road's tangent frame, diffuse.
+    There the texel's normal (of any length but 0) is (0, 0, 1) and its tangent, the road's x axis if the maps have no
+    twist, is (1, 0, 0). Parameters: texel, unit vectors to light and eye in the road's tangent frame, diffuse.
     """
     texel_type = TEXELS[width]
     twisted = width == 10
@@ -88,10 +88,10 @@ def in_local_frame(evaluate: wp.Function, width: int) -> wp.Function:
     @wp.func(module="unique")
     def reflect(texel: texel_type, light: wp.vec3, view: wp.vec3, diffuse: wp.float32) -> wp.vec3:
         normal = wp.normalize(wp.vec3(texel[3], texel[4], texel[5]))
-        wanted = wp.vec3(1.0, 0.0, 0.0)
+        along = wp.vec3(1.0, 0.0, 0.0)
         if wp.static(twisted):
-            wanted = wp.vec3(texel[width - 2], texel[width - 1], 0.0)
-        tangent = tangent_about(normal, wanted)
+            along = wp.vec3(texel[width - 2], texel[width - 1], 0.0)
+        tangent = tangent_about(normal, along)
         bitangent = wp.cross(normal, tangent)
         to_light = wp.vec3(wp.dot(tangent, light), wp.dot(bitangent, light), wp.dot(normal, light))
         to_eye = wp.vec3(wp.dot(tangent, view), wp.dot(bitangent, view), wp.dot(normal, view))

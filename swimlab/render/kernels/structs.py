@@ -9,7 +9,7 @@ Texel = wp.types.vector(length=8, dtype=wp.float32)
 """One texel of the material: albedo r, g, b; normal x, y, z; Ks; power. Interleaved, so that a fetch is one read."""
 
 LeanTexel = wp.types.vector(length=9, dtype=wp.float32)
-"""One texel of LEAN's moments; what it holds is said in `swimlab/render/techniques/lean.py`."""
+"""One texel of LEAN's moments; its layout is in `swimlab/render/techniques/lean.py`."""
 
 TwistTexel = wp.types.vector(length=10, dtype=wp.float32)
 """A Texel, then x and y of the tangent."""

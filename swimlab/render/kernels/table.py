@@ -1,6 +1,6 @@
 """Tables of functions of two variables, for reflectance models that are factored into textures.
 
-The values stand in the code of the kernels that look them up, so that every other kernel carries and passes nothing.
+The values stand in the code of the kernels that look them up, so that other kernels need no more parameters.
 """
 
 from collections.abc import Callable
@@ -10,6 +10,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 
 
@@ -20,8 +21,19 @@ class Table(NamedTuple):
         and v are clamped to 0..1.
     """
 
-    values: NDArray[np.float32]
+    values: Floats
     lookup: wp.Function
+
+    def at(self, u: Floats, v: Floats) -> Floats:
+        """The plain form of `lookup`, on the host: the same bits for float32 arrays u and v."""
+        rows, columns = self.values.shape
+        x = np.clip(u, 0, 1) * np.float32(columns - 1)
+        y = np.clip(v, 0, 1) * np.float32(rows - 1)
+        i, j = np.minimum(x.astype(np.int32), columns - 2), np.minimum(y.astype(np.int32), rows - 2)
+        a, b = x - i.astype(np.float32), y - j.astype(np.float32)
+        lower = self.values[j, i] + (self.values[j, i + 1] - self.values[j, i]) * a
+        upper = self.values[j + 1, i] + (self.values[j + 1, i + 1] - self.values[j + 1, i]) * a
+        return np.asarray(lower + (upper - lower) * b, np.float32)
 
 
 def tabulated(function: Callable[[Doubles, Doubles], Doubles], *, columns: int, rows: int) -> Table:

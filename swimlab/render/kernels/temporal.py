@@ -1,4 +1,4 @@
-"""Reuse of the frame before: where a surface was, what the history holds there, and how much of it is believed."""
+"""Reuse of the previous frame: where a surface was, the history read there, and how much of it is believed."""
 
 import functools
 
@@ -22,8 +22,8 @@ def reproject(
     nearness: wp.array2d(dtype=wp.float32),
     places: wp.array2d(dtype=wp.vec4),
 ):
-    """What each pixel's centre sees: 1/w (1/m) now; and its place x, y (px) and 1/w in the frame before, with the
-    slope of 1/w, |d/dx| + |d/dy| a pixel. 0 where it sees nothing."""
+    """The surface at each pixel's centre: 1/w (1/m) now; its place x, y (px) and 1/w in the previous frame, and the
+    slope of 1/w, |d/dx| + |d/dy| a pixel. 0 where there is none."""
     row, i = wp.tid()
     j = first_row + row
     nearness[j, i] = 0.0
@@ -51,9 +51,9 @@ def inside(image: wp.array2d(dtype=wp.float32), i: wp.int32, j: wp.int32) -> wp.
 
 @wp.func
 def surface_beside(nearness: wp.array2d(dtype=wp.float32), i: wp.int32, j: wp.int32) -> wp.vec2i:
-    """The pixel whose surface a pixel goes with: itself, or the nearest of its neighbours where its centre sees none.
+    """The pixel that a pixel moves with: itself, or the neighbour nearest to the eye where its centre sees none.
 
-    (-1, -1) where there is none either. A pixel that only the road's edge cuts so moves with the road.
+    (-1, -1) where no neighbour sees one. So a pixel that the road's edge cuts moves with the road.
     """
     found = wp.vec2i(-1, -1)
     nearest = wp.float32(0.0)
@@ -70,9 +70,9 @@ def surface_beside(nearness: wp.array2d(dtype=wp.float32), i: wp.int32, j: wp.in
 
 @wp.func
 def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
-    """Whether the frame before saw this surface: one of the 3 x 3 pixels about its place has its 1/w.
+    """Whether the previous frame saw this surface: one of the 3 x 3 pixels about its place has its 1/w.
 
-    To a tenth, and to what the slope of 1/w, which is constant over a plane, makes of the way to the pixel's centre.
+    The tolerance is a tenth, and the slope of 1/w (constant over a plane) times the distance to the pixel's centre.
     """
     i = wp.int32(wp.floor(place[0]))
     j = wp.int32(wp.floor(place[1]))
@@ -89,7 +89,7 @@ def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
 
 @wp.func
 def pixel(image: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32) -> wp.vec4:
-    """A pixel; beyond the border, the one on it."""
+    """A pixel; beyond the border, the nearest on the border."""
     return image[wp.clamp(j, 0, image.shape[0] - 1), wp.clamp(i, 0, image.shape[1] - 1)]
 
 
@@ -183,13 +183,13 @@ def variance_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, h
 
 @wp.func
 def no_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, history: wp.vec4) -> wp.vec4:
-    """The history as it is."""
+    """The history unchanged."""
     return history
 
 
 @wp.func
 def premultiplied(c: wp.vec4) -> wp.vec4:
-    """A colour that can be: what a cubic's overshoot made of it without negative light or an alpha beyond 0..1."""
+    """The colour without a cubic's overshoot: no negative light, and alpha within 0..1."""
     if c[3] <= 0.0:
         return wp.vec4(0.0, 0.0, 0.0, 0.0)
     return wp.max(c, wp.vec4(0.0, 0.0, 0.0, 0.0)) / wp.max(c[3], 1.0)
@@ -201,7 +201,7 @@ CLAMPS = {"box": box_clamp, "variance": variance_clamp, "none": no_clamp}
 
 @functools.cache
 def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
-    """The kernel that blends a new frame into the history; where that is not of the same surface the new frame stands.
+    """The kernel that blends a new frame into the history, or keeps it where the history saw another surface.
 
     `fresh` and `history` are premultiplied [H, W]; `nearness` and `places` are `reproject`'s of the new frame,
     `nearness_before` is the frame before's.

@@ -1,41 +1,248 @@
-"""Texture filters: what sets one technique apart from another."""
+"""Texture filters, in which techniques differ.
+
+`sampling` has the plain forms; the native forms fill whole packets. First come the probes of all lanes, and for each
+probe the addresses of its texels, in loops that a compiler vectorises; then the taps, lane by lane, a whole texel at a
+time. The taps give the bits of the plain form; levels of detail, by a float logarithm, agree to 1e-6.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 
 import warp as wp
 
-from swimlab.render.kernels import native_filters, sampling
-from swimlab.render.kernels.packet import each_lane
+from swimlab.render.kernels import sampling
+from swimlab.render.kernels.forms import LOGARITHM, Form, Twins, Within, form
+from swimlab.render.kernels.packet import WIDTHS, each_lane
+from swimlab.render.kernels.structs import LANES, TEXELS
+
+AGREES = Within("native filter against plain")
+
+LOG2 = f"""{LOGARITHM}
+    const auto log2_of = [&](float x) {{
+        int e; const float rest = log_of_mantissa(x, e);
+        return rest*1.44269504f + (float)e;
+    }};
+"""
+
+FINEST_PROBE = """
+    for (int k = 0; k < count; ++k) {
+        number[k] = 1; lod[k] = 0.0f; fu[k] = (float)q[k]; fv[k] = (float)q[LANES + k]; su[k] = sv[k] = 0.0f;
+    }
+"""
+
+ISOTROPIC_PROBE = """
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const double xx = q[2*LANES + k]*W, xy = q[3*LANES + k]*H, yx = q[4*LANES + k]*W, yy = q[5*LANES + k]*H;
+        const double a = __builtin_sqrt(xx*xx + xy*xy), b = __builtin_sqrt(yx*yx + yy*yy);
+        number[k] = 1; lod[k] = log2_of((float)(a > b ? a : b));
+        fu[k] = (float)q[k]; fv[k] = (float)q[LANES + k]; su[k] = sv[k] = 0.0f;
+    }
+"""
+
+ANISOTROPIC_PROBES = """
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const double xx = q[2*LANES + k]*W, xy = q[3*LANES + k]*H, yx = q[4*LANES + k]*W, yy = q[5*LANES + k]*H;
+        const double a = xx*xx + yx*yx, b = xx*xy + yx*yy, c = xy*xy + yy*yy, half = 0.5*(a - c);
+        const double square = 0.5*(a + c) + __builtin_sqrt(half*half + b*b), major = __builtin_sqrt(square);
+        const double minor = major > 0.0 ? __builtin_fabs(xx*yy - xy*yx)/major : 0.0;
+        double ax = a >= c ? square - c : b, ay = a >= c ? b : square - a;
+        const double length = __builtin_sqrt(ax*ax + ay*ay);
+        ax = length > 0.0 ? ax/length : 1.0; ay = length > 0.0 ? ay/length : 0.0;
+        const double ratio = minor*MOST > major ? __builtin_ceil(major/minor - 1.0e-6) : MOST;
+        double n = ratio < MOST ? ratio : MOST;
+        n = major > 1.0 && n > 1.0 ? n : 1.0;
+        number[k] = (int)n; lod[k] = log2_of((float)(major/n));
+        const float lu = (float)(ax*major/W), lv = (float)(ay*major/H), share = (float)n;
+        su[k] = lu/share; sv[k] = lv/share;
+        fu[k] = (float)q[k] - (lu - su[k])*0.5f; fv[k] = (float)q[LANES + k] - (lv - sv[k])*0.5f;
+    }
+"""
+
+
+ADDRESSES = """
+    // Of each lane's two levels: size, index of the first texel, and what the second weighs.
+    float wide[2][LANES], high[2][LANES], blend[LANES], share[LANES];
+    int right[2][LANES], low[2][LANES], start[2][LANES];
+    const float coarsest = (float)(chain.levels - 1);
+    const int full_width = chain.width, full_height = chain.height, last = chain.levels - 1;
+    const int* __restrict offsets = chain.offsets.data;
+    int most = 1, blended = 0;
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
+        const int level = (int)l, next = level < last ? level + 1 : level;
+        blend[k] = l - (float)level;
+        const int w = full_width >> level, h = full_height >> level;
+        const int v = full_width >> next, g = full_height >> next;
+        right[0][k] = w > 1 ? w - 1 : 0; low[0][k] = h > 1 ? h - 1 : 0; start[0][k] = offsets[level];
+        right[1][k] = v > 1 ? v - 1 : 0; low[1][k] = g > 1 ? g - 1 : 0; start[1][k] = offsets[next];
+        for (int o = 0; o < 2; ++o) { wide[o][k] = (float)(right[o][k] + 1); high[o][k] = (float)(low[o][k] + 1); }
+        share[k] = 1.0f/(float)number[k];
+        most = number[k] > most ? number[k] : most;
+        blended |= blend[k] > 1.0e-6f;
+    }
+    // Of a probe: indices of its four texels, and how far it lies from the first to the next.
+    int at[2][4][LANES];
+    float across[2][LANES], down[2][LANES];
+    auto address = [&](int o, float i) {
+        #pragma clang loop vectorize(assume_safety)
+        for (int k = 0; k < count; ++k) {
+            const float x = (fu[k] + su[k]*i)*wide[o][k] - 0.5f, y = (fv[k] + sv[k]*i)*high[o][k] - 0.5f;
+            const float left = __builtin_floorf(x), top = __builtin_floorf(y);
+            across[o][k] = x - left; down[o][k] = y - top;
+            const int r = right[o][k], l = low[o][k], i0 = (int)left, j0 = (int)top, i1 = i0 + 1, j1 = j0 + 1;
+            const int a0 = clamps ? (i0 < 0 ? 0 : i0 > r ? r : i0) : i0 & r;
+            const int a1 = clamps ? (i1 < 0 ? 0 : i1 > r ? r : i1) : i1 & r;
+            const int b0 = start[o][k] + (clamps ? (j0 < 0 ? 0 : j0 > l ? l : j0) : j0 & l)*(r + 1);
+            const int b1 = start[o][k] + (clamps ? (j1 < 0 ? 0 : j1 > l ? l : j1) : j1 & l)*(r + 1);
+            at[o][0][k] = b0 + a0; at[o][1][k] = b0 + a1; at[o][2][k] = b1 + a0; at[o][3][k] = b1 + a1;
+        }
+    };
+"""
+
+
+def _part(name: str, kind: str, first: int, width: int) -> tuple[str, str, str]:
+    """Code for floats `first`... of texels of `width`, as vectors `kind`: sums, a bilinear tap, adding a probe."""
+    sums = f"    {kind} sum_{name}[{LANES}];\n"
+    tap = f"""
+    auto tap_{name} = [&](int o, int k) -> {kind} {{
+        auto read = [&](int which) -> {kind} {{
+            return *(const {kind}*)(data + (long)at[o][which][k]*{width} + {first});
+        }};
+        const float a = across[o][k], b = down[o][k];
+        const {kind} m = read(0)*(1.0f - a) + read(1)*a, n = read(2)*(1.0f - a) + read(3)*a;
+        return m*(1.0f - b) + n*b;
+    }};
+"""
+    add = f"""
+            {kind} value_{name} = tap_{name}(0, k);
+            if (blend[k] > 1.0e-6f) value_{name} = value_{name}*(1.0f - blend[k]) + tap_{name}(1, k)*blend[k];
+            sum_{name}[k] = i == 0 ? value_{name} : sum_{name}[k] + value_{name};
+"""
+    return sums, tap, add
+
+
+TRANSPOSED = """
+    for (; done + 8 <= count; done += 8) {
+        vec_a r[8], s[8];
+        for (int i = 0; i < 8; ++i) r[i] = sum_whole[done + i]*share[done + i];
+        for (int i = 0; i < 8; i += 2) {
+            s[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+            s[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        for (int i = 0; i < 8; i += i % 4 == 1 ? 3 : 1) {
+            r[i] = __builtin_shufflevector(s[i], s[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            r[i + 2] = __builtin_shufflevector(s[i], s[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+        for (int i = 0; i < 4; ++i) {
+            *(vec_a*)(out + i*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+            *(vec_a*)(out + (i + 4)*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+        }
+    }
+"""
+"""Code that leaves the means of eight lanes at a time, eight floats each, in the first rows of the packet."""
+
+
+def _store(name: str, first: int, floats: int) -> str:
+    """Code that leaves the mean of the other lanes' probes in rows `first`... of the packet."""
+    rows = "".join(f" out[{(first + i) * LANES} + k] = mean{f'.s{i:x}' if floats > 1 else ''};" for i in range(floats))
+    blocks = TRANSPOSED.replace("LANES", str(LANES)) if floats == 8 else ""
+    return f"""
+    done = 0;
+{blocks}
+    for (int k = done; k < count; ++k) {{ const auto mean = sum_{name}[k]*share[k];{rows} }}
+"""
+
+
+def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
+    """A filter of texels of `width` floats, by the code of its probes."""
+    parts = [("whole", "vec_a", 0, min(width, 8))]
+    if width > 8:
+        parts.append(("rest", "vec_b", 8, width - 8))
+    types = "".join(
+        f"    typedef float {kind} __attribute__((ext_vector_type({floats}), aligned(4)));\n"
+        if floats > 1
+        else f"    typedef float {kind};\n"
+        for _, kind, _, floats in parts
+    )
+    sums, taps, adds = zip(*(_part(name, kind, first, width) for name, kind, first, _ in parts), strict=True)
+    native = f"""
+{types}
+    const float* __restrict data = (const float*)texels.data;
+    float* __restrict out = lanes.data;
+    const double* __restrict q = places.data;
+    const double W = (double)chain.width, H = (double)chain.height;
+    const bool clamps = chain.clamps == 1;
+    float lod[{LANES}], fu[{LANES}], fv[{LANES}], su[{LANES}], sv[{LANES}];
+    int number[{LANES}];
+{LOG2}
+{probes.replace("LANES", str(LANES))}
+{ADDRESSES.replace("LANES", str(LANES))}
+{"".join(sums)}
+{"".join(taps)}
+    for (int i = 0; i < most; ++i) {{
+        address(0, (float)i);
+        if (blended) address(1, (float)i);
+        for (int k = 0; k < count; ++k) {{
+            if (i >= number[k]) continue;
+{"".join(adds)}
+        }}
+    }}
+    int done;
+{"".join(_store(name, first, floats) for name, _, first, floats in parts)}
+"""
+
+    return Twins(each_lane(plain, width), native, width)
+
+
+@form(cases=WIDTHS, agrees=AGREES)
+def finest(width: int) -> Twins:
+    """Bilinear samples of level 0 into a packet of texels of `width` floats."""
+    return _filter(sampling.finest, FINEST_PROBE, width)
+
+
+@form(cases=WIDTHS, agrees=AGREES)
+def isotropic(width: int) -> Twins:
+    """Trilinear samples at the level of the longer derivative."""
+    return _filter(sampling.isotropic, ISOTROPIC_PROBE, width)
+
+
+@form(cases=product(TEXELS, (1, 3, 16)), agrees=AGREES)
+def anisotropic(width: int, most: int) -> Twins:
+    """Means of up to `most` probes along each footprint's major axis."""
+    return _filter(sampling.anisotropic_to(most), ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
 
 
 @dataclass(frozen=True)
 class TextureFilter:
     """A filter of inputs.
 
-    plain: (texels, chain, surface) -> texel, as it is read. native: width -> the same over a packet of texels of so
-    many floats, in a form for CPUs; None without one.
+    plain: (texels, chain, surface) -> texel. packed: width -> the Form that fills a packet with texels of that many
+    floats; None where there is no native form.
     """
 
     plain: wp.Function
-    native: Callable[[int], wp.Function] | None = None
+    packed: Callable[[int], Form] | None = None
 
     def fill(self, width: int, device: str) -> wp.Function:
-        """What fills a packet: the native form on the CPU where there is one, else the plain one lane by lane."""
-        if self.native is not None and device == "cpu":
-            return self.native(width)
+        """The function that fills a packet: the native form on the CPU where there is one, else the plain form."""
+        if self.packed is not None and device == "cpu":
+            return self.packed(width).native
         return each_lane(self.plain, width)
 
 
-FINEST = TextureFilter(sampling.finest, native_filters.finest)
+FINEST = TextureFilter(sampling.finest, finest)
 """The four texels of level 0 about uv."""
 
-ISOTROPIC = TextureFilter(sampling.isotropic, native_filters.isotropic)
+ISOTROPIC = TextureFilter(sampling.isotropic, isotropic)
 """Two levels about log2 of the longer derivative."""
 
 
 @cache
 def anisotropic_to(most: int) -> TextureFilter:
     """Up to `most` trilinear probes along the footprint's major axis."""
-    return TextureFilter(sampling.anisotropic_to(most), lambda width: native_filters.anisotropic(width, most))
+    return TextureFilter(sampling.anisotropic_to(most), lambda width: anisotropic(width, most))

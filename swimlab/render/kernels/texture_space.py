@@ -1,7 +1,7 @@
-"""What texture-space lighting adds to shading: which texels will be read, reducing only those, and pasting them.
+"""Texture-space lighting beside shading itself: find the texels that will be read, reduce only these, paste them.
 
 A target is cut into square tiles, each one texel of level `tile_level`; `need[tile]` is the finest level that is read
-anywhere in the tile, and NEVER where none is. Tiles are shaded at that level; coarser ones follow by reduction.
+anywhere in the tile, or NEVER. A tile is shaded at that level; its coarser levels are made by reduction.
 """
 
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.render.kernels.footprint import surface_at
+from swimlab.render.kernels.forms import Twins, form
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.structs import LANES, Chain, Grid, Planes, Sun
@@ -21,7 +22,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.func
 def normal_as_colour(texel: Any, light: wp.vec3, view: wp.vec3, diffuse: wp.float32) -> wp.vec3:
-    """In place of radiance: (N + 1) / 2, squared, so that it is what it is once encoded by the square root."""
+    """In place of radiance: (N + 1) / 2 squared, which the display's square root turns back into (N + 1) / 2."""
     normal = (wp.normalize(wp.vec3(texel[3], texel[4], texel[5])) + wp.vec3(1.0, 1.0, 1.0)) * 0.5
     return wp.cw_mul(normal, normal)
 
@@ -37,11 +38,11 @@ def ask(need: wp.array2d(dtype=wp.int32), chain: Chain, tile_level: wp.int32, le
     first_j = (wp.clamp(top, 0, height - 1) << level) >> tile_level
     last_i = (((wp.clamp(left + 1, 0, width - 1) + 1) << level) - 1) >> tile_level
     last_j = (((wp.clamp(top + 1, 0, height - 1) + 1) << level) - 1) >> tile_level
-    wanted = wp.min(level, tile_level)
+    finest = wp.min(level, tile_level)
     for j in range(first_j, last_j + 1):
         for i in range(first_i, last_i + 1):
-            if need[j, i] > wanted:
-                need[j, i] = wanted
+            if need[j, i] > finest:
+                need[j, i] = finest
 
 
 @wp.kernel
@@ -58,7 +59,7 @@ def mark(
     tile_level: wp.int32,
     need: wp.array2d(dtype=wp.int32),
 ):
-    """Note every texel that pasting one segment onto some rows will read. One thread; callers merge by the least."""
+    """Note every texel that pasting one segment onto some rows will read. One thread; callers take the least of all."""
     for j in range(first_row, first_row + rows):
         for i in range(visible.shape[1]):
             triangle = visible[j, i]
@@ -83,7 +84,7 @@ def keep_needed(
     need: wp.array2d(dtype=wp.int32),
     visible: wp.array2d(dtype=wp.int32),
 ):
-    """Forget the texels of a band of `level` whose tile is not to be shaded at that level."""
+    """Mark texels of a band of `level` as not visible where their tile is shaded at another level."""
     row, i = wp.tid()
     tile_j = ((first_row + row) << level) >> tile_level
     tile_i = ((first_column + i) << level) >> tile_level
@@ -103,16 +104,34 @@ REDUCE = """
 """
 
 
-@wp.func_native(REDUCE)
-def reduce_row(
-    j: wp.int32,
-    level: wp.int32,
-    tile_level: wp.int32,
-    need: wp.array2d(dtype=wp.int32),
-    chain: Chain,
-    texels: wp.array(dtype=wp.vec4),
-):
-    """Fill texels of row j of `level` by the mean of the 2x2 below where the tile was shaded at a finer level."""
+@form()
+def row_reduction() -> Twins:
+    """The function that fills texels of row j of `level` by the mean of the 2x2 below.
+
+    It leaves out tiles that were not shaded at a finer level.
+    """
+
+    @wp.func(module="unique")
+    def reduce(
+        j: wp.int32,
+        level: wp.int32,
+        tile_level: wp.int32,
+        need: wp.array2d(dtype=wp.int32),
+        chain: Chain,
+        texels: wp.array(dtype=wp.vec4),
+    ):
+        side = chain.width >> level
+        for i in range(side):
+            if need[(j << level) >> tile_level, (i << level) >> tile_level] < level:
+                upper = chain.offsets[level - 1] + 4 * j * side + 2 * i
+                lower = upper + 2 * side
+                total = (texels[upper] + texels[upper + 1]) + (texels[lower] + texels[lower + 1])
+                texels[chain.offsets[level] + j * side + i] = total * 0.25
+
+    return Twins(reduce, REDUCE, 4)
+
+
+reduce_row = row_reduction().native
 
 
 @wp.kernel
@@ -136,7 +155,7 @@ def only_segment(
     segments: wp.array(dtype=wp.int32),
     mine: wp.array2d(dtype=wp.int32),
 ):
-    """Of some rows of a visibility buffer what shows one segment, -1 elsewhere."""
+    """Copy the cells of some rows of a visibility buffer that see one segment; the others are -1."""
     row, i = wp.tid()
     triangle = visible[first_row + row, i]
     mine[row, i] = -1
@@ -153,6 +172,18 @@ UNPREMULTIPLY = """
 """.replace("LANES", str(LANES))
 
 
-@wp.func_native(UNPREMULTIPLY)
-def unpremultiply(lanes: wp.array(dtype=wp.float32), sun: Sun):
-    """What shading is to pasting: RGB of filtered light is divided by alpha where alpha > 1e-5."""
+@form()
+def unpremultiplication() -> Twins:
+    """The function that stands for shading when light is pasted: RGB is divided by alpha where alpha > 1e-5."""
+
+    @wp.func(module="unique")
+    def divide(lanes: wp.array(dtype=wp.float32), sun: Sun):
+        for k in range(LANES):
+            alpha = wp.where(lanes[3 * LANES + k] > 1.0e-5, lanes[3 * LANES + k], 1.0)
+            for row in range(3):
+                lanes[row * LANES + k] = lanes[row * LANES + k] / alpha
+
+    return Twins(divide, UNPREMULTIPLY, 4)
+
+
+unpremultiply = unpremultiplication().native

@@ -1,1 +1,1 @@
-"""One technique a file: the order in which it filters and shades. A file here is found by itself (see `registry`)."""
+"""Techniques, one a file: the order in which it filters and shades. `runs/registry.py` finds every file here."""

@@ -10,7 +10,7 @@ import warp as wp
 
 from swimlab.render.inputs import Inputs, Level, Maps, slopes
 from swimlab.render.kernels.structs import Chain
-from swimlab.render.moments import moment_technique
+from swimlab.render.technique import moment_technique
 
 
 def pack(maps: Maps) -> Level:

@@ -1,17 +1,18 @@
 """LEAN mapping: mean and covariance of slopes filter linearly; the highlight is the Gaussian they describe.
 
 Texels hold albedo, b (x, y; about the map's mean), Mxx, Ks, Myy, Mxy, with M = b b^T + I/power. The Gaussian stands
-for the deck's Blinn-Phong; other models, and maps with twist, fall back to CLEAN's widening.
+for the deck's Blinn-Phong; other models, and maps with twist, use CLEAN's widening.
 """
 
 import numpy as np
 import warp as wp
 
 from swimlab.render.inputs import Inputs, Level, Maps, slopes
-from swimlab.render.kernels import snippets
+from swimlab.render.kernels.forms import EXP2, Twins, Within, form, half_vector_code
+from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import half_vector
-from swimlab.render.kernels.structs import Chain, LeanTexel, Sun
-from swimlab.render.moments import moment_technique
+from swimlab.render.kernels.structs import Chain, LeanTexel
+from swimlab.render.technique import moment_technique
 from swimlab.render.techniques import clean
 
 
@@ -55,12 +56,12 @@ def reflect(texel: LeanTexel, light: wp.vec3, view: wp.vec3, diffuse: wp.float32
     return colour
 
 
-NATIVE = f"""{snippets.EXP2}
+NATIVE = f"""{EXP2}
     float* __restrict a = lanes.data;
     const float lx = sun.direction[0], ly = sun.direction[1], lz = sun.direction[2], diffuse = sun.diffuse;
     #pragma clang loop vectorize(assume_safety) vectorize_width(16)
     for (int k = 0; k < 64; ++k) {{
-{snippets.half_vector(9)}
+{half_vector_code(9)}
         const float long_h = __builtin_sqrtf(hx*hx + hy*hy + hz*hz);
         const float bx = a[3*64 + k], by = a[4*64 + k], xx = a[5*64 + k], yy = a[7*64 + k], xy = a[8*64 + k];
         const float up = hz > 1.0e-6f*long_h ? hz : 1.0f, x = hx/up - bx, y = hy/up - by;
@@ -77,12 +78,13 @@ NATIVE = f"""{snippets.EXP2}
 """
 
 
-@wp.func_native(NATIVE)
-def native(lanes: wp.array(dtype=wp.float32), sun: Sun):
-    """`reflect` over the 64 lanes of a packet, in a loop that clang vectorises."""
+@form(agrees=Within("native lean, relative", floor=0.1))
+def lean_packet() -> Twins:
+    """`reflect` over the 64 lanes of a packet."""
+    return Twins(plain_packet(reflect, 9), NATIVE, 9)
 
 
-INPUTS = Inputs("lean", pack, covariance, reflect, native, otherwise=clean.INPUTS)
+INPUTS = Inputs("lean", pack, covariance, reflect, lean_packet().native, otherwise=clean.INPUTS)
 
 TECHNIQUE = moment_technique(
     INPUTS,

@@ -1,4 +1,4 @@
-"""Anisotropic filtering of the inputs: what an engine does. Averaged normals lie flat, and a false mirror appears."""
+"""Anisotropic filtering of the inputs, as engines do. Averaged normals lie flat, and a false mirror appears."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from swimlab.render.technique import Picture, Technique, pixel_shading
 
 
 class PixelAnisoSettings(Settings):
-    """How far a footprint may be stretched, and what is too thin to be drawn."""
+    """How far a footprint may be stretched, and which triangles are too thin to be drawn."""
 
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
     thinnest: float = Field(0.0, ge=0, le=64, description="px: wires' triangles of a lesser altitude are not drawn")

@@ -1,4 +1,4 @@
-"""Point sampling: shade the one texel under the pixel's centre. What lies between is missed: it sparkles."""
+"""Point sampling: shade the one texel under the pixel's centre. Texels between are missed: it sparkles."""
 
 from typing import Any
 

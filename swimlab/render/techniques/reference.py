@@ -1,4 +1,4 @@
-"""The truth: shade many jittered samples a pixel from the finest level, then average, and estimate its own error."""
+"""The reference: shade many jittered samples a pixel from the finest level, average them, and estimate the error."""
 
 from math import isqrt
 from typing import Any, Literal
@@ -17,7 +17,7 @@ from swimlab.render.triangles import visibility
 
 
 class ReferenceSettings(Settings):
-    """What a pixel is the average of."""
+    """The filter over which a pixel is averaged."""
 
     filter: Literal["box", "gaussian", "mitchell"] = Field(
         "box", description="pixel filter: box (1 px wide), gaussian (sigma 1/2 px) or mitchell (B = C = 1/3)"
@@ -25,7 +25,7 @@ class ReferenceSettings(Settings):
 
 
 def render(shot: Shot, settings: ReferenceSettings) -> Picture:
-    """n x n stratified samples a pixel, n^2 = `shot.samples`; the same sub-pixel places in every frame."""
+    """n x n stratified samples a pixel, n^2 = `shot.samples`, at the same sub-pixel places in every frame."""
     n = isqrt(shot.samples)
     if settings.filter == "box":
         return render_samples(shot, FINEST, n=n, jittered=True)

@@ -1,4 +1,4 @@
-"""Brute force: pixel-aniso on a finer grid, averaged. It buys the truth, slowly."""
+"""Brute force: pixel-aniso on a finer grid, averaged. It converges to the reference, slowly."""
 
 from math import isqrt
 

@@ -1,9 +1,9 @@
-"""Temporal anti-aliasing, what engines ship: one jittered sample a frame, blended into a history that moves along.
+"""Temporal anti-aliasing as engines ship it: one jittered sample a frame, blended into a history that moves along.
 
-Frame t is defined by a recursion from frame -preroll, whatever was rendered before it: the picture of frame s is
-h + blend (x - h), where x is pixel-aniso at the jitter of s, and h the picture of s - 1, read where the true motion
-leads and clamped to what x shows nearby. Where the surface was off-screen or hidden at s - 1 the picture is x. A frame
-of a sequence that resizes knows no others: it is the recursion over preroll + 1 jitters of its own still view.
+Frame t is defined by a recursion from frame -preroll, independent of what was rendered before. The picture of frame s
+is h + blend (x - h). x is pixel-aniso at the jitter of s. h is the picture of s - 1, read along the exact motion and
+clamped to the colours of x nearby. Where the surface was off-screen or hidden at s - 1 the picture is x. In a sequence
+that resizes each frame stands alone: it is the recursion over preroll + 1 jitters of its own still view.
 """
 
 from dataclasses import replace
@@ -26,7 +26,7 @@ from swimlab.render.triangles import visibility
 
 
 class TaaSettings(Settings):
-    """How samples are spread and remembered."""
+    """How samples are jittered and blended."""
 
     blend: float = Field(0.1, gt=0, le=1, description="share of the new frame")
     history: Literal["bicubic", "bilinear"] = Field(
@@ -41,7 +41,7 @@ class TaaSettings(Settings):
 
 
 class History(NamedTuple):
-    """What a frame leaves to the next, on the device.
+    """What the next frame needs of a frame, on the device.
 
     picture: [H, W], premultiplied. nearness: [H, W], 1/w at pixels' centres. shaded: [H], samples shaded for it.
     """
@@ -117,7 +117,8 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
 def jitters(period: int) -> list[tuple[float, float]]:
     """Sub-pixel offsets, px: points 1 to `period` of Halton's sequence in bases 2 and 3, less their mean.
 
-    So the picture stays where it is on the whole. Halton 1960, On the efficiency of certain quasi-random sequences.
+    The mean is subtracted so that the picture is not shifted. Halton 1960, On the efficiency of certain quasi-random
+    sequences.
     """
     points = np.array([[halton(index, base) for base in (2, 3)] for index in range(1, period + 1)])
     return [(float(x), float(y)) for x, y in points - points.mean(axis=0)]
@@ -134,7 +135,7 @@ def halton(index: int, base: int) -> float:
 
 
 def render(shot: Shot, settings: TaaSettings) -> Picture:
-    """A frame asked for alone: the whole recursion."""
+    """One frame by itself: the whole recursion."""
     return Accumulation()(shot, settings)
 
 

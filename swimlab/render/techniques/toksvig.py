@@ -6,7 +6,7 @@ import warp as wp
 
 from swimlab.render.inputs import Inputs, variances
 from swimlab.render.kernels.structs import Chain
-from swimlab.render.moments import moment_technique
+from swimlab.render.technique import moment_technique
 
 
 @wp.func

@@ -1,8 +1,8 @@
 """Texture-space lighting: light the texels, filter the light, paste it.
 
-As the deck has it, each visible segment is drawn into a target of its own with atlas coordinates as positions; targets
-are cleared to alpha 0, reduced by a box to a mip chain, and read with full anisotropy. The settings take the waste out:
-only texels that some footprint touches, at the level it needs, from moments of the maps where a texel is larger than
+As in the deck, each visible segment is drawn into a target of its own with atlas coordinates as positions; targets
+are cleared to alpha 0, reduced by a box to a mip chain, and read with full anisotropy. Settings avoid waste: they shade
+only texels that a footprint touches, at the level it needs, from moments of the maps where a texel is larger than
 theirs.
 """
 
@@ -23,11 +23,11 @@ from swimlab.render.techniques import clean, lean, toksvig, vmf
 from swimlab.render.texture import MipChain
 
 INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
-"""What the maps are filtered by where a target's texel is larger than theirs."""
+"""How the maps are filtered where a target's texel is larger than theirs."""
 
 
 class TslSettings(Settings):
-    """Targets, what is shaded of them, and how they are read."""
+    """Targets, which of their texels are shaded, and how they are read."""
 
     size: int = Field(1024, ge=16, le=8192, description="texels along each side of a segment's target, a power of two")
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis when pasting")
@@ -60,7 +60,7 @@ class Lit(NamedTuple):
 
 
 def lit_targets(shot: Shot, settings: TslSettings, screen: Screen) -> Iterator[Lit]:
-    """Light the target of one visible segment after another; each is good until the next is asked for."""
+    """Light the targets of the visible segments in turn; each is valid until the next is requested."""
     lighting = Lighting(shot, INPUTS[settings.inputs])
     for segment in screen.rows:
         size = settings.size

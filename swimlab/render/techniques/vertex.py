@@ -1,9 +1,9 @@
 """Vertex lighting: shade at the mesh's vertices and interpolate, the lowest frequency of evaluation.
 
 "Generally, vertex evaluation is lowest frequency, while pixel is at a higher frequency. Not the case for low
-resolution" (Sloan & Baker). What is lit at the spacing of the vertices stays as it is however small the frame, while
-pixel shading filters its inputs ever further. On `road-scale` it is the worse down to a quarter of 640x360 and nearer
-to the truth than pixel-aniso from 113x64 on. Highlights are smeared over quads; what there is sticks to the road.
+resolution" (Sloan & Baker). Light at the vertices does not depend on the size of the frame, while pixel shading filters
+its inputs further the smaller the frame is. On `road-scale` vertex lighting is worse than pixel-aniso down to a quarter
+of 640x360, and nearer to the reference from 113x64 on. Highlights are smeared over quads, but stick to the road.
 """
 
 import functools
@@ -31,7 +31,7 @@ Quads = Annotated[int, Field(ge=1, le=256)]
 
 
 class VertexSettings(Settings):
-    """How finely the road is cut: the scene's own tessellation serves its shape alone."""
+    """How finely the road is cut for lighting; the scene's own tessellation only gives its shape."""
 
     quads: tuple[Quads, Quads] = Field((16, 16), description="quads of a segment, across and along (1..256)")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import reflectance
 from evaluation import evaluated
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from oracle import unit
 
@@ -141,6 +141,7 @@ directions = st.one_of(
     ks=st.floats(0, 1),
     mirrored=st.sampled_from([0, 1, -1]),
 )
+@example(light=(0.0, 1.0, 1e-40), view=(0, 0, 1), power=0.0, ks=0.0, mirrored=1)  # both in the horizon
 def test_radiance_is_finite_and_never_negative(launcher, name, light, view, power, ks, mirrored):
     light = unit(np.array(light, float))
     # The mirror's direction has H = N exactly; the opposite one has no half vector.

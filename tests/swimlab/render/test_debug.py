@@ -15,8 +15,7 @@ from metrics.kernels.launch import Strip
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.render.geometry import describe_geometry
-from swimlab.render.kernels.locate import PLACES, locate_before
-from swimlab.render.kernels.packet import rows_of
+from swimlab.render.kernels.packet import PLACES, locate_before, rows_of
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes
 from swimlab.render.kernels.texture_filter import FINEST, ISOTROPIC, anisotropic_to
 from swimlab.render.technique import shading
@@ -70,7 +69,7 @@ with Launcher(threads=1) as launcher:
 
     pictures |= dict(zip(cases, render(cases)))
     pictures["depth"] = describe_geometry(shot).depth
-    # The forms that are read, in the place of the native ones.
+    # The plain forms, in place of the native ones.
     TextureFilter.fill = lambda self, width, device: each_lane(self.plain, width)
     Shot.shade_packet = lambda self, inputs, width: plain_packet(
         inputs.reflect or in_local_frame(self.model.evaluate, width), width
@@ -173,7 +172,7 @@ def test_native_filters_stay_within_their_chain_and_packet(launcher, filtered, w
     assert (found[:, width * LANES :] == SENTINEL).all()
 
 
-locate = locate_before(8)
+locate = locate_before(8).native
 
 
 @wp.kernel(enable_backward=False)

@@ -48,7 +48,7 @@ def flat_maps(height=SIZE[0], width=SIZE[1]):
 
 @pytest.fixture
 def sequence_of(tmp_path):
-    """A sequence whose maps are float EXR files beside it, but for those that are given by name."""
+    """A sequence whose maps are float EXR files beside it, but for maps that are given by name."""
 
     def sequence_of(**names):
         for key, pixels in flat_maps().items():

@@ -12,7 +12,7 @@ from swimlab.render.triangles import in_texture, visibility
 
 STEP = 0.1
 """Metres between the places of a ray that are looked at before its root is refined: 1/200 of a wave."""
-# Cut so finely that its chords stray from the sine by 2e-5 m.
+# Cut so finely that its chords are off the sine by 2e-5 m.
 ROAD = {"length": 100.0, "profile": "hills", "amplitude": 1.2, "wavelength": 20.0, "tessellation": (1, 256)}
 CAMERA = {"distance": 3.3, "height": 1.3, "pitch": -5.0, "yaw": 4.0, "lateral": 0.4}
 HILLS = load("road-hills").with_changes(size=(96, 54), scene={"road": ROAD}, camera=CAMERA)

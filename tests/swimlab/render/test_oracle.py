@@ -77,13 +77,13 @@ def test_the_views_tell_techniques_apart(oracle_of):
 def test_the_reference_is_right_within_its_stated_error(shoot, render, oracle_of, tolerance, view):
     sequence, frame = VIEWS[view]
     picture = render(shoot(sequence, frame, samples=64), "reference")
-    truth, truth_error = oracle_of(view).reference(16, seed=7)
+    reference, reference_error = oracle_of(view).reference(16, seed=7)
     covered = picture.rgba[..., 3] == 1
-    error = (picture.rgba[..., :3] - truth)[covered]
+    error = (picture.rgba[..., :3] - reference)[covered]
     stated = np.sqrt(np.mean(picture.error[covered][:, :3] ** 2))
     ratio = np.sqrt(np.mean(error**2)) / stated
     assert 1 / tolerance("reference against its stated error") < ratio < tolerance("reference against its stated error")
-    variance = picture.error[covered][:, :3] ** 2 + truth_error[covered] ** 2
+    variance = picture.error[covered][:, :3] ** 2 + reference_error[covered] ** 2
     # R, G and B share the highlight: their sum counts as one number a pixel.
     deviation = error.sum() / np.sqrt(3 * variance.sum())
     assert abs(deviation) < tolerance("mean of a picture")
@@ -157,11 +157,11 @@ def test_frames_from_files_agree_with_the_oracle(tmp_path, maps, tolerance, half
     for name in SETTINGS:
         given = {"tsl": {"size": 64}, "lod-hack": {"end": 3.0}}.get(name, {})
         compare(*oracle.picture(name, **given), read_frame(frame_path(run, name, 2)), name, tolerance, half=half)
-    truth, _ = oracle.reference(16, seed=3)
+    reference, _ = oracle.reference(16, seed=3)
     rgba = read_frame(frame_path(run, "reference", 2))
     error = read_channels(frame_path(run, "error", 2), ("R", "G", "B", "A"))
     covered = rgba[..., 3] == 1
     stated = record.reference_rms_error["2"]
     assert stated == pytest.approx(np.sqrt(np.mean(error[covered][:, :3] ** 2)), rel=tolerance("half float"))
-    ratio = np.sqrt(np.mean((rgba[..., :3] - truth)[covered] ** 2)) / stated
+    ratio = np.sqrt(np.mean((rgba[..., :3] - reference)[covered] ** 2)) / stated
     assert ratio < tolerance("reference against its stated error")

@@ -76,7 +76,7 @@ def test_radiance_is_finite_and_no_more_than_the_maps_can_give(
 ):
     maps = random_maps(seed)
     shot = shoot(road(camera=camera, sun=sun, motion=motion, profile=profile), 3, pack_maps(maps))
-    # Of means of texels, whatever the filter: sat(N.L) <= 1 and (N.H)^p <= 1. A widened lobe has less power, not more.
+    # Of means of texels, under any filter: sat(N.L) <= 1 and (N.H)^p <= 1. A widened lobe has less power, not more.
     most = maps[..., :3].max() * shot.sun.diffuse + maps[..., 6].max() * maps[..., 7].max()
     for name in techniques():
         picture = render(shot, name, **SETTINGS.get(name, {}))
@@ -179,7 +179,7 @@ VIEWS = {
 """Cameras, sides of maps of independent texels, and the rate at which the error falls with the number of samples.
 
 A sample anywhere in each of n equal cells: where a cell holds many texels samples are independent, and the error falls
-with n^-1/2. Where light is smooth over a cell it strays within it by n^-1/2 itself, and the error falls with n^-1
+with n^-1/2. Where light is smooth over a cell it varies within it by n^-1/2 itself, and the error falls with n^-1
 (Mitchell 1996, Consequences of Stratified Sampling in Graphics).
 """
 
@@ -191,13 +191,13 @@ def test_the_references_error_falls_at_its_rate(shoot, render, pack_maps, tolera
     maps[..., 6] = 0
     material = pack_maps(maps)
     sequence = road(camera=camera, profile={"width": 40.0, "length": 80.0}, size=(64, 36))
-    truth = render(shoot(sequence, 0, material, samples=4096), "reference").rgba
-    covered = truth[..., 3] == 1
+    reference = render(shoot(sequence, 0, material, samples=4096), "reference").rgba
+    covered = reference[..., 3] == 1
     assert covered.mean() > 0.2
     errors, stated = [], []
     for count in COUNTS:
         picture = render(shoot(sequence.with_changes(seed=7), 0, material, samples=int(count)), "reference")
-        errors.append(np.sqrt(np.mean((picture.rgba - truth)[covered] ** 2)))
+        errors.append(np.sqrt(np.mean((picture.rgba - reference)[covered] ** 2)))
         stated.append(np.sqrt(np.mean(picture.error[covered] ** 2)))
     for found in (errors, stated):
         slope = np.polyfit(np.log(COUNTS), np.log(found), 1)[0]

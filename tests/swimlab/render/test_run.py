@@ -53,7 +53,7 @@ def contents(run):
 
 
 def pixels(run):
-    """Decoded pictures: the bits that matter, whatever stands in the header."""
+    """Decoded pictures: the bits that matter, without the header."""
     return {name: pixels_of(run / name).tobytes() for name in files_of(run) if name.endswith(".exr")}
 
 

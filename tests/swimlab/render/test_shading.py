@@ -1,8 +1,7 @@
 """The shading core and the deck's Blinn-Phong."""
 
-import functools
-
 import numpy as np
+import packets
 import pytest
 import warp as wp
 from hypothesis import given, settings
@@ -10,16 +9,13 @@ from hypothesis import strategies as st
 from oracle import unit
 
 from swimlab.render.brdfs import blinn_phong
-from swimlab.render.catalogue import brdfs
-from swimlab.render.kernels.packet import LANES, plain_packet, rows_of
+from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import in_local_frame, local, power_of_cosine, shade_with
 from swimlab.render.kernels.structs import Sun, Surface, Texel
 
 BLINN_PHONG = blinn_phong.with_normalisation(blinn_phong.BlinnPhongSettings())
 REFLECT = in_local_frame(BLINN_PHONG.evaluate, 8)
 shade = shade_with(REFLECT, 8)
-ROWS = rows_of(8)
-PACKET = LANES * ROWS
 
 
 @wp.kernel(enable_backward=False)
@@ -84,7 +80,7 @@ def test_powers_of_cosines_hold_at_any_power(launcher, tolerance):
     angle, power = (each.ravel() for each in np.meshgrid(ANGLES, POWERS))
     across = unit(np.array([0.9, -0.2, 0.0]))
     h = np.cos(angle)[:, None] * np.array([0.0, 0.0, 1.0]) + np.sin(angle)[:, None] * across
-    # The truth of the vectors as they are once rounded to float32, by long doubles, from what rounding changed least.
+    # The exact value for the vectors as rounded to float32, in long doubles, from terms that rounding changes least.
     rounded = h.astype(np.float32).astype(np.longdouble)
     squared = (rounded[:, :2] ** 2).sum(axis=1)
     exact = np.where(squared > 0.5, rounded[:, 2] ** power, np.exp(power / 2 * np.log1p(-np.minimum(squared, 0.6))))
@@ -164,73 +160,10 @@ def test_radiance_is_the_decks_formula_in_the_turned_frame(
         assert found == pytest.approx(exact, abs=limit)
 
 
-@functools.cache
-def packets_with(shade_packet):
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(samples: wp.array2d(dtype=wp.float32), sun: Sun, out: wp.array2d(dtype=wp.float32)):
-        packet = wp.tid()
-        lanes = wp.zeros(shape=(PACKET,), dtype=wp.float32)
-        for k in range(PACKET):
-            lanes[k] = samples[packet, k]
-        shade_packet(lanes, sun)
-        for k in range(3 * LANES):
-            out[packet, k] = lanes[k]
-
-    return kernel
-
-
-def in_packets(launcher, shade_packet, samples, sun):
-    """Radiance [N, 3] of samples [N, 12], N a multiple of LANES, by packets."""
-    lit = Sun()
-    lit.direction, lit.diffuse = wp.vec3(*sun.tolist()), 0.6
-    rows = samples.reshape(-1, LANES, ROWS).transpose(0, 2, 1).reshape(-1, PACKET)
-    out = launcher.empty((len(rows), 3 * LANES), wp.float32)
-    launcher.launch(packets_with(shade_packet), len(rows), [launcher.array(rows, wp.float32), lit, out])
-    return out.numpy().reshape(-1, 3, LANES).transpose(0, 2, 1).reshape(-1, 3)
-
-
-def samples_to_shade(random, sun):
-    """Samples [N, 12] over all that can occur; the last ones at the ends of powers and angles."""
-    count = 40 * LANES
-    albedo = random.uniform(0, 1, (count, 3))
-    slope = random.uniform(-2, 2, (count, 1))
-    to_eye = unit(random.normal(size=(count, 3)) * [1, 1, 0.3] + [0, 0, 0.4])
-    power = np.concatenate([[0.0, 0.5, 1.0], np.geomspace(2, 1e5, count - 3)])[:, None]
-    # Near the peak of the highlight, where powers matter, in the frame of the slope.
-    half = np.array([turn(s, h) for s, h in zip(slope[:, 0], unit(sun + to_eye), strict=True)])
-    normal = unit(half + random.normal(size=(count, 3)) / np.sqrt(power + 1)) * random.uniform(0.2, 1, (count, 1))
-    normal[-LANES:] = half[-LANES:]
-    normal[-2 * LANES : -LANES] *= -1
-    to_eye[-3 * LANES] = -sun
-    strength = 1 / np.maximum(power, 1)
-    position = -to_eye * random.uniform(0.5, 300, (count, 1))
-    return np.concatenate([albedo, normal, strength, power, position, slope], axis=1).astype(np.float32)
-
-
-NATIVE = [("blinn-phong", {"normalisation": kind}) for kind in blinn_phong.FACTORS]
-
-
-def test_native_forms_are_all_tested():
-    assert {n for n, brdf in brdfs().items() if brdf.model(brdf.settings()).native} == {name for name, _ in NATIVE}
-
-
-@pytest.mark.parametrize(("name", "parameters"), NATIVE)
-def test_native_forms_are_the_plain_ones(launcher, tolerance, name, parameters):
-    sun = unit(np.array([0.1, 0.9, 0.4]))
-    samples = samples_to_shade(np.random.default_rng(0), sun)
-    brdf = brdfs()[name]
-    model = brdf.model(brdf.settings(**parameters))
-    native = in_packets(launcher, model.native, samples, sun)
-    plain = in_packets(launcher, plain_packet(in_local_frame(model.evaluate, 8), 8), samples, sun)
-    assert (plain.mean(axis=1) > samples[:, :3].mean(axis=1)).any()  # there are highlights
-    assert np.abs(native - plain).max() <= tolerance("native against plain")
-
-
 def test_packets_are_shaded_lane_by_lane(launcher, tolerance):
-    sun = unit(np.array([0.1, 0.9, 0.4]))
-    samples = samples_to_shade(np.random.default_rng(1), sun)
+    samples = packets.materials(np.random.default_rng(1)).astype(np.float32)
     samples[:, 11] = 0.5
-    packed = in_packets(launcher, plain_packet(REFLECT, 8), samples, sun)
-    single = radiance(launcher, samples[:, :8], samples[:, 8:11].astype(np.float64), sun, slope=0.5)
+    packed = packets.shade(launcher, plain_packet(REFLECT, 8), samples)
+    single = radiance(launcher, samples[:, :8], samples[:, 8:11].astype(np.float64), packets.SUN, slope=0.5)
     assert np.isfinite(single).all()
     assert np.abs(packed - single).max() <= tolerance("weights in float32")

@@ -93,7 +93,7 @@ def test_the_reference_draws_all(shoot, render):
 
 @pytest.mark.parametrize("size", [64, 256])
 def test_wires_have_targets_of_their_own(shoot, render, pack_maps, tolerance, size):
-    """On uniform maps road and wires are lit alike, and no chart's border shows in texture-space lighting."""
+    """On uniform maps road and wires are lit the same, and no chart's border shows in texture-space lighting."""
     matte = np.broadcast_to([0.3, 0.5, 0.7, 0.0, 0.0, 1.0, 0.0, 0.0], (64, 64, 8)).astype(np.float32)
     shot = shoot(WIRED, 0, pack_maps(matte))
     rgba = render(shot, "tsl", size=size).rgba

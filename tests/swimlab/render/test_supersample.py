@@ -14,9 +14,10 @@ ROAD = load("road-shift").with_changes(size=(64, 36))
 
 def test_the_error_falls_as_samples_grow(shoot, render):
     shot = shoot(ROAD, samples=1024)
-    truth = render(shot, "reference").rgba
+    reference = render(shot, "reference").rgba
     errors = [
-        np.sqrt(np.mean((render(shot, "supersample", samples=samples).rgba - truth) ** 2)) for samples in (1, 4, 16, 64)
+        np.sqrt(np.mean((render(shot, "supersample", samples=samples).rgba - reference) ** 2))
+        for samples in (1, 4, 16, 64)
     ]
     assert all(more < 0.8 * fewer for fewer, more in pairwise(errors))
     assert errors[-1] < 0.25 * errors[0]

@@ -72,7 +72,7 @@ def test_a_sequence_that_resizes_accumulates_each_still_view(shoot, render):
     ("name", "size"), [("road-shift", SIZE), ("road-drive", SIZE), ("road-turn", SIZE), ("road-scale", (96, 54))]
 )
 def test_a_constant_colour_stays_constant(shoot, render, pack_maps, tolerance, name, size, clamp):
-    """Diffuse light on a flat road: whatever is read, clamped or only partly covered, its colour is one."""
+    """Diffuse light on a flat road: its colour is one, be it read, clamped or only partly covered."""
     maps = np.zeros((4, 4, 8), np.float32)
     maps[...] = (0.2, 0.5, 0.3, 0, 0, 1, 0, 1)
     sequence = load(name).with_changes(size=size, camera=TURNED)
@@ -103,12 +103,12 @@ def test_the_history_follows_the_surface(shoot, render, waves, name):
     def picture(technique, frame, **settings):
         return render(shoot(sequence, frame, waves), technique, **settings).rgba[near]
 
-    truth = picture("supersample", 4, samples=64)
+    reference = picture("supersample", 4, samples=64)
     followed = picture("taa", 4, clamp="none", preroll=8)
     left_behind = recursion([picture("taa", frame, blend=1.0, preroll=8) for frame in range(-8, 5)], 0.1)
     blurred = picture("taa", 4, clamp="none", preroll=8, history="bilinear")
-    assert rms(followed - truth) < 0.15 * rms(left_behind - truth)
-    assert rms(followed - truth) < 0.7 * rms(blurred - truth)
+    assert rms(followed - reference) < 0.15 * rms(left_behind - reference)
+    assert rms(followed - reference) < 0.7 * rms(blurred - reference)
 
 
 def test_the_clamp_forgets_light_that_has_gone(shoot, render):

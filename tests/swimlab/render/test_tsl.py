@@ -119,12 +119,12 @@ def test_visible_tiles_give_the_decks_image(shoot, render, size, anisotropy):
 def test_fewer_texels_cost_little_error(shoot, render, tolerance, inputs):
     """Texels at the level that footprints need: many fewer, and an error near that of all with the same inputs."""
     shot = shoot(SHORT.with_changes(scene={}), samples=256)
-    truth = render(shot, "reference").rgba
-    covered = truth[..., 3] == 1
+    reference = render(shot, "reference").rgba
+    covered = reference[..., 3] == 1
     full = render(shot, "tsl", size=256)
     needed = render(shot, "tsl", size=256, inputs=inputs, texels="needed")
     fitted = render(shot, "tsl", size=256, inputs=inputs, sizes="fitted")
-    errors = [np.sqrt(np.mean((picture.rgba - truth)[covered] ** 2)) for picture in (full, needed, fitted)]
+    errors = [np.sqrt(np.mean((picture.rgba - reference)[covered] ** 2)) for picture in (full, needed, fitted)]
     assert needed.shaded < full.shaded / 4
     assert fitted.shaded < full.shaded / 2
     assert errors[1] < tolerance("error of needed texels") * errors[0]
@@ -148,9 +148,11 @@ def test_a_view_without_road_is_empty(shoot, render):
 
 def test_finer_targets_come_nearer_to_the_truth(shoot, render):
     shot = shoot(SHORT, samples=64)
-    truth = render(shot, "reference").rgba
-    covered = truth[..., 3] == 1
-    errors = [np.sqrt(np.mean((render(shot, "tsl", size=size).rgba - truth)[covered] ** 2)) for size in (16, 64, 256)]
+    reference = render(shot, "reference").rgba
+    covered = reference[..., 3] == 1
+    errors = [
+        np.sqrt(np.mean((render(shot, "tsl", size=size).rgba - reference)[covered] ** 2)) for size in (16, 64, 256)
+    ]
     assert errors[0] > errors[1] > errors[2]
 
 
