@@ -65,9 +65,7 @@ def measure(
     if isinstance(reference, Clip):
         exact = ReferenceFrames(reference, error=reference_error, domain=domain, display=display)
     elif reference_error is not None:
-        raise ValueError(
-            "reference_error: needs a clip as reference; leave it out; ReferenceFrames have their own"
-        )
+        raise ValueError("reference_error: needs a clip as reference; leave it out; ReferenceFrames have their own")
     if exact is not None and (exact.domain, exact.display) != (domain, display):
         raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
     geometry = _geometry(test, exact.reference if exact else None)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Protocol
 import pytest
 
 if TYPE_CHECKING:
+    from metrics.display import Domain
     from swimlab.gate.outcome import Outcome
-    from swimlab.scoring.measure import Domain
 
 
 class CheckGate(Protocol):

@@ -39,12 +39,8 @@ from typing import Any
 import warp as wp
 from pydantic import Field
 
-from swimlab.render.kernels.footprint import isotropic_level
-from swimlab.render.kernels.sampling import anisotropic
-from swimlab.render.kernels.structs import Chain, Surface
-from swimlab.render.kernels.texture_filter import TextureFilter
-from swimlab.render.settings import Settings
-from swimlab.render.technique import Technique, pixel_shading
+from swimlab.render import Chain, Settings, Surface, Technique, TextureFilter
+from swimlab.render import anisotropic, isotropic_level, pixel_shading
 
 
 class GlossFadeSettings(Settings):

@@ -58,9 +58,9 @@ def _as_json(what: str) -> dict[str, Any]:
         lines, bad = describe(what)
         return {**dict(lines), "bad frames": bad}
     if _holds_scores(Path(what)):
-        from swimlab.runs.entries import read_content, scores_path
+        from swimlab.runs.scores import read_scores
 
-        return read_content(scores_path(Path(what)))
+        return read_scores(Path(what))
     if not Path(what).is_dir():
         return load_sequence(what).model_dump(mode="json")
     return {**vars(Record.read(Path(what))), "measured": (Path(what) / "scores.json").is_file()}
@@ -88,9 +88,10 @@ def _holds_scores(path: Path) -> bool:
 
 def print_scores_of(path: Path) -> None:
     """Print of what and under which settings scores were measured, and what a reader should know beside them."""
-    from swimlab.runs.entries import read_content, read_entries, scores_path
+    from swimlab.runs.entries import read_entries
+    from swimlab.runs.scores import read_scores
 
-    content = read_content(scores_path(path))
+    content = read_scores(path)
     measured: dict[tuple[str, str, str], list[str]] = {}
     for entry in read_entries(path):
         settings = entry.settings

@@ -10,10 +10,10 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.progress import progress
 from swimlab.runs.record import Record, RunError
-from swimlab.scoring.measure import Domain
 
 
 def measure_command(
@@ -125,9 +125,8 @@ def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
 
 def _write(output: Path, scores: dict[str, Any]) -> Path:
     """Write scores into a folder as a run has them, or into a .json file; return the file's path."""
-    from swimlab.runs.entries import scores_path
     from swimlab.runs.files import write_json, write_text
-    from swimlab.scoring.measure import frames_table
+    from swimlab.runs.scores import frames_table, scores_path
 
     path = scores_path(output)
     if path != output:

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from swimlab.runs.record import Record, RunError
-from swimlab.runs.results import merge_scores, read_scores, run_folders
+from swimlab.runs.scores import merge_scores, read_scores, run_folders
 
 
 def report_command(

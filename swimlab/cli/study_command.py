@@ -7,14 +7,14 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from metrics.display import Domain
 from swimlab.cli.dry_run import print_plans
 from swimlab.cli.measure_command import measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.runs.files import write_json
 from swimlab.runs.record import REFERENCE, RunError
-from swimlab.runs.results import merge_scores
-from swimlab.scoring.measure import Domain
+from swimlab.runs.scores import merge_scores
 
 ROAD = ("road-shift", "road-drive", "road-scale")
 SHEET_FRAMES = 3

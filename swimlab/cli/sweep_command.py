@@ -156,7 +156,7 @@ def _say_what_is_to_do(work: "Work", chunks: "Sequence[Chunk]", out: Path, *, js
 def _print_scores(work: "Work", scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
     from swimlab.cli.sweep_table import print_sweep
     from swimlab.runs.files import write_json
-    from swimlab.runs.results import merge_scores
+    from swimlab.runs.scores import merge_scores
 
     merged = merge_scores(scores)
     write_json(out / "scores.json", merged)

@@ -15,9 +15,10 @@ from swimlab.compare.change import SIGMAS, Change, change_in_history
 from swimlab.compare.commit import Commit
 from swimlab.compare.pick import Pick
 from swimlab.compare.runs import tally
-from swimlab.runs.entries import Entry, Key, number, read_all, read_content, read_entries, scores_path
+from swimlab.runs.entries import Entry, Key, number, read_all, read_entries
 from swimlab.runs.files import write_json
 from swimlab.runs.record import VERSION, RunError
+from swimlab.runs.scores import read_scores
 
 NAME = re.compile(r"(\d{4,})_.+\.json")
 KEPT_CURVES = ("scale",)
@@ -125,7 +126,7 @@ def _content(runs: Sequence[Path]) -> dict[str, Any]:
         domains.add(entry.provenance.get("domain", "linear"))
     if len(domains) > 1:
         raise RunError(f"the runs are of several domains ({', '.join(sorted(domains))}); save those of one at a time")
-    contents = [read_content(scores_path(run)) for run in runs]
+    contents = [read_scores(run) for run in runs]
     entries = [_without_curves(entry) for content in contents for entry in content["sequences"]]
     return {
         "provenance": {"domain": domains.pop(), "hash": ", ".join(hashes.values())},

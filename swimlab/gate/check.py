@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from metrics.display import Domain
 from swimlab.gate.outcome import Outcome, run_gate
 from swimlab.gate.rules import GateError
 from swimlab.render.catalogue import techniques
@@ -10,7 +11,7 @@ from swimlab.render.plan import make_plan
 from swimlab.render.run import render_run
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
-from swimlab.scoring.measure import Domain, measure_run
+from swimlab.scoring.measure import measure_run
 
 COMMAND = "pytest"
 

@@ -20,10 +20,11 @@ from swimlab.render.run import render_run
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
 from swimlab.report.recorded import open_run as open_recorded
+from swimlab.runs.clips import read_clip
 from swimlab.runs.frames import Image, frame_path, read_frame
 from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.results import read_scores, run_folders
-from swimlab.scoring.measure import measure_run, read_clip
+from swimlab.runs.scores import read_scores, run_folders
+from swimlab.scoring.measure import measure_run
 
 SCALE_BAR = 160
 """Least width of the printed scale of errors, px."""

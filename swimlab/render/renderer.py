@@ -17,14 +17,7 @@ from swimlab.render.shot import Shot
 from swimlab.render.technique import Picture
 from swimlab.runs.frames import COLOUR, Image, frame_path, write_channels, write_frame, write_geometry
 from swimlab.runs.provenance import SWIMLAB
-from swimlab.runs.record import RunError
-
-GEOMETRY = "geometry"
-ERROR = "error"
-"""Folders of a run beside the techniques': the geometry, and the reference's standard error in channels R, G, B, A.
-
-That has the digits of the pictures: halves, where those are.
-"""
+from swimlab.runs.record import ERROR, GEOMETRY, RunError
 
 
 class Rendered(NamedTuple):

@@ -7,10 +7,10 @@ from statistics import median
 from metrics.kernels.launch import Launcher
 from swimlab.render.catalogue import own_code, techniques
 from swimlab.render.plan import Plan
-from swimlab.render.renderer import ERROR, GEOMETRY, Rendered, Renderer, rms_error
-from swimlab.runs.frames import COLOUR, FrameError, frame_path, read_channels, read_frame
+from swimlab.render.renderer import Rendered, Renderer, rms_error
+from swimlab.runs.frames import COLOUR, frame_path, read_channels, read_frame
 from swimlab.runs.provenance import provenance
-from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
 
 
 def render_run(
@@ -117,14 +117,6 @@ def outdated(plan: Plan, record: Record) -> list[str]:
     """Your own techniques in the plan whose pictures in the run were rendered by other code."""
     own = own_code()
     return [name for name in plan.techniques if name in own and record.code.get(name) != own[name]]
-
-
-def check_complete(run: Path, names: Iterable[str], frames: Iterable[int]) -> None:
-    """Raise FrameError naming the first picture that a run should hold and does not."""
-    wanted = [frame_path(run, name, frame) for name in names for frame in frames]
-    missing = [path for path in wanted if not path.is_file()]
-    if missing:
-        raise FrameError(f"{missing[0]}: is missing ({len(missing)} in all); give the render command again to resume")
 
 
 def _remove_pictures(run: Path, folders: Iterable[str]) -> None:

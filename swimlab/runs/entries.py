@@ -1,6 +1,5 @@
 """Scores of runs as the gate sees them: of which clip, under which settings, and where its frames lie."""
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
@@ -10,7 +9,8 @@ from typing import Any
 
 from metrics.display import STANDARD
 from sequences.viewing import Viewing
-from swimlab.runs.record import VERSION, Record, RunError
+from swimlab.runs.record import Record, RunError
+from swimlab.runs.scores import read_scores, scores_path
 
 Key = tuple[str, str]
 """Sequence and technique."""
@@ -75,7 +75,7 @@ def read_entries(run: Path) -> list[Entry]:
     Raises RunError where scores are missing, damaged, empty, or older than the run they lie in.
     """
     path = scores_path(run)
-    content = read_content(path)
+    content = read_scores(run)
     try:
         entries = content["sequences"]
         names = list(dict.fromkeys(entry["sequence"] for entry in entries))
@@ -111,27 +111,6 @@ def number(values: Mapping[str, float], name: str) -> float | None:
     """A value by name; None where it is not there or not a number."""
     value = values.get(name)
     return None if value is None or not isfinite(value) else value
-
-
-def scores_path(run: Path) -> Path:
-    """The file of scores of a run folder or a study's folder; the file itself where that is given."""
-    return run if run.suffix == ".json" else run / "scores.json"
-
-
-def read_content(path: Path) -> dict[str, Any]:
-    """What a scores.json file holds. Raises RunError where it cannot be read or is of another version."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise RunError(
-            f"{path}: cannot be read ({error.strerror}); measure the run first: swimlab measure {path.parent}"
-        ) from None
-    except ValueError as error:
-        raise RunError(f"{path}: is not JSON ({error}); measure the run again") from None
-    version = content.get("version") if isinstance(content, dict) else None
-    if version != VERSION:
-        raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; measure again")
-    return dict(content)
 
 
 def _hashes(path: Path, joined: str | None, names: Sequence[str]) -> dict[str, str | None]:

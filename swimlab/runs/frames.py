@@ -16,6 +16,10 @@ COLOUR = ("R", "G", "B", "A")
 GEOMETRY = ("coverage", "motion.X", "motion.Y", "depth.Z")
 
 
+WRITTEN = "1970:01:01 00:00:00"
+"""The date in every file, in place of the present one: the same picture is the same bytes. run.json has the date."""
+
+
 class FrameError(ValueError):
     """A frame file that cannot be read or is not what was asked for; the message names the file."""
 
@@ -78,6 +82,7 @@ def write_channels(
     spec = oiio.ImageSpec(width, height, count, oiio.HALF if half else oiio.FLOAT)
     spec.channelnames = channels
     spec.attribute("compression", "zip")
+    spec.attribute("DateTime", WRITTEN)
     for key, value in metadata.items():
         spec.attribute(key, value)
     with replacing(path) as temporary:

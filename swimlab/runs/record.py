@@ -13,6 +13,13 @@ VERSION = 1
 REFERENCE = "reference"
 """The technique that the others are measured against."""
 
+GEOMETRY = "geometry"
+ERROR = "error"
+"""Folders of a run beside the techniques': the geometry, and the reference's standard error in channels R, G, B, A.
+
+That has the digits of the pictures: halves, where those are.
+"""
+
 
 class RunError(ValueError):
     """A run that cannot be had as asked; the message says why and how to mend it."""

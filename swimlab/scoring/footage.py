@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from metrics import measure, quantisation
 from swimlab.footage.subject import Subject
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
-from swimlab.scoring.peer_scores import all_peer_scores
+from swimlab.scoring.score import entry_of, score_clip
 
 
 def measure_subject(
@@ -28,10 +27,15 @@ def measure_subject(
     """
     request = subject.request
     clip, reference = subject.clips()
-    found = measure(clip, reference, domain=request.domain, display=request.display, progress=advance)
-    found.scores |= all_peer_scores(peers, clip, reference)
-    floors = subject.test.quantisation(subject.sampled(), request.domain, request.display)
-    found.merge(quantisation(floors, len(subject.kept)))
+    found = score_clip(
+        clip,
+        reference,
+        domain=request.domain,
+        display=request.display,
+        rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
+        peers=peers,
+        progress=advance,
+    )
     floor = found.scores.get("quantisation.floor")
     if floor is not None:
         text = f"{subject.test.stored_as} codes: quantisation alone makes a flicker of {np.sqrt(floor):.2g} rms"
@@ -39,15 +43,8 @@ def measure_subject(
     for note in found.notes:
         subject.note(note)
     numbers = [subject.test.reader.numbers[index] for index in subject.kept]
-    entry = {
-        "sequence": subject.name,
-        "technique": "test",
-        "motion": subject.motion_kind,
-        **vars(found),
-        "frames": [{**row, "frame": numbers[row["frame"]]} for row in found.frames],
-        "notes": subject.notes,
-        **({"display": asdict(request.display)} if request.domain == "display" else {}),
-    }
+    entry = entry_of(subject.name, "test", found, numbers, domain=request.domain, display=request.display)
+    entry |= {"motion": subject.motion_kind, "notes": subject.notes}
     settings = _settings(subject)
     digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
     about = {**provenance(command), "domain": request.domain, "hash": digest, "settings": settings}

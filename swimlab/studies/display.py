@@ -6,10 +6,8 @@ from math import sqrt
 from pathlib import Path
 
 from metrics import Bloom, Display, align, measure
-from swimlab.render.renderer import GEOMETRY
-from swimlab.render.run import check_complete
-from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.scoring.measure import display_of, read_clip, reference_error
+from swimlab.runs.clips import check_complete, display_of, read_clip, reference_error
+from swimlab.runs.record import GEOMETRY, REFERENCE, Record, RunError
 
 LINEAR = "linear"
 """The row of radiance as it was rendered."""

@@ -18,9 +18,9 @@ from swimlab.render.geometry import describe_geometry
 from swimlab.render.material import Material, load_material
 from swimlab.render.shot import Shot
 from swimlab.render.technique import Picture
+from swimlab.runs.clips import ALPHA_ROUNDING
 from swimlab.runs.frames import Geometry, Image
 from swimlab.runs.record import REFERENCE, RunError
-from swimlab.scoring.measure import ALPHA_ROUNDING
 
 
 @dataclass(frozen=True)

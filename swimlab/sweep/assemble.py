@@ -7,11 +7,10 @@ from pathlib import Path
 from statistics import median
 
 from swimlab.render.plan import Plan
-from swimlab.render.renderer import ERROR, GEOMETRY
 from swimlab.render.run import earlier_record, open_record, outdated
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import frame_path
-from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
 from swimlab.sweep.chunk import Chunk, Chunks
 from swimlab.sweep.render import read_rows
 

@@ -12,9 +12,8 @@ from sequences import Sequence
 from sequences.scene import Scene
 from swimlab.render.catalogue import own_code, technique_settings, techniques
 from swimlab.render.plan import Plan
-from swimlab.render.renderer import GEOMETRY
 from swimlab.runs.provenance import SWIMLAB
-from swimlab.runs.record import REFERENCE
+from swimlab.runs.record import GEOMETRY, REFERENCE
 
 NO_PIXELS = {"name", "techniques", "viewing", "display"}
 """Keys of a sequence that decide no pixel of a technique."""

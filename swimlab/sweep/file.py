@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError
 
+from metrics.display import Domain
 from sequences.problems import describe, hint
 from sequences.sequence import Side
 from sequences.table import Table, Whole
 from sequences.toml_file import TomlError, read_toml
 from swimlab.render.catalogue import techniques
 from swimlab.runs.record import REFERENCE
-from swimlab.scoring.measure import Domain
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 SET_ELSEWHERE = {"version": "is not for a sweep to vary", "name": "is made from what is varied"}

@@ -15,12 +15,12 @@ from metrics.kernels.launch import Launcher
 from sequences import Sequence
 from swimlab.render.catalogue import own_code
 from swimlab.render.plan import Plan
-from swimlab.render.renderer import GEOMETRY, Renderer
+from swimlab.render.renderer import Renderer
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import COLOUR, FrameError, read_channels
 from swimlab.runs.frames import GEOMETRY as GEOMETRY_CHANNELS
 from swimlab.runs.provenance import SWIMLAB
-from swimlab.runs.record import RunError
+from swimlab.runs.record import GEOMETRY, RunError
 from swimlab.sweep.chunk import Chunk
 
 RENDERING = Lock()

@@ -8,7 +8,7 @@ from typing import Any
 
 from swimlab.render.plan import Plan
 from swimlab.runs.record import REFERENCE, Record
-from swimlab.scoring.measure import write_scores
+from swimlab.runs.scores import write_scores
 from swimlab.sweep.assemble import assemble
 from swimlab.sweep.chunk import Chunk, Chunks, cut
 from swimlab.sweep.file import Sweep

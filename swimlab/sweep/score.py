@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from metrics.display import Domain
 from swimlab.render.plan import Plan
-from swimlab.render.renderer import GEOMETRY
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import FrameError
 from swimlab.runs.provenance import SWIMLAB
-from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.scoring.measure import Domain, measure_techniques
+from swimlab.runs.record import GEOMETRY, REFERENCE, Record, RunError
+from swimlab.scoring.measure import measure_techniques
 from swimlab.sweep.chunk import Chunks
 from swimlab.sweep.render import remove_damaged
 

@@ -247,7 +247,7 @@ def test_patterns_choose_techniques_and_scores(tmp_path):
     ("words", "said"),
     [
         (["a"], "name two runs or more"),
-        (["a", "nowhere"], "nowhere/scores.json: cannot be read"),
+        (["a", "nowhere"], "nowhere/scores.json: is missing"),
         (["a", "other"], "other: has no technique on a sequence in common with the base"),
         (["a", "a", "-t", "tls"], "-t tls: there are tsl"),
         (["a", "a", "--metric", "flick*"], "--metric flick*: there are budget.flicker"),

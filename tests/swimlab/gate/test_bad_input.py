@@ -69,7 +69,7 @@ def test_every_mistake_is_named_at_once(swimlab, tmp_path):
 
 
 BAD_SCORES = {
-    "no folder": (None, "scores.json: cannot be read"),
+    "no folder": (None, "scores.json: is missing"),
     "no JSON": ("{", "scores.json: is not JSON"),
     "a list": ("[]", "scores.json: has version None"),
     "another version": ('{"version": 9}', "scores.json: has version 9, this swimlab reads 1"),

@@ -80,7 +80,7 @@ def test_github_gets_summary_and_annotations_unasked(swimlab, failing, tmp_path,
     [
         ("none.toml", "run", "none.toml: cannot be read"),
         ("lost.toml", "run", "b.json: cannot be read"),
-        ("gate.toml", "nowhere", "nowhere/scores.json: cannot be read"),
+        ("gate.toml", "nowhere", "nowhere/scores.json: is missing"),
     ],
 )
 def test_a_gate_that_cannot_run_is_an_error_in_junit(swimlab, failing, tmp_path, gate, run, message):

@@ -23,8 +23,7 @@ from swimlab.runs.record import RunError
 from swimlab.sweep.chunk import cut
 
 FILE = """
-from swimlab.render.kernels.texture_filter import ISOTROPIC
-from swimlab.render.technique import Technique, pixel_shading
+from swimlab.render import ISOTROPIC, Technique, pixel_shading
 
 TECHNIQUE = Technique(name={name!r}, summary={summary!r}, source="a test", render=pixel_shading(lambda _: ISOTROPIC))
 """

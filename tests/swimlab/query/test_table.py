@@ -13,7 +13,7 @@ from gate_files import entry, write_scores
 from swimlab.query.rows import COLUMNS, find_runs, rows_of
 from swimlab.query.store import QueryError, Store
 from swimlab.runs.record import Record, RunError
-from swimlab.scoring.measure import frames_table
+from swimlab.runs.scores import frames_table
 
 HASH = "0123456789abcdef"
 

@@ -10,7 +10,8 @@ import pytest
 
 from sequences import Sequence, load
 from swimlab.render.plan import Plan, check_samples, parse_frames
-from swimlab.render.run import check_complete, render_run
+from swimlab.render.run import render_run
+from swimlab.runs.clips import check_complete
 from swimlab.runs.frames import FrameError, frame_path, read_frame
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.measure import measure_run

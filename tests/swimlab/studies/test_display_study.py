@@ -13,9 +13,10 @@ from sequences import Display as Table
 from swimlab.footage.colour import quantisation_floor
 from swimlab.render.plan import Plan
 from swimlab.render.run import render_run
+from swimlab.runs.clips import display_of
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record, RunError
-from swimlab.scoring.measure import display_of, measure_run
+from swimlab.scoring.measure import measure_run
 from swimlab.studies.display import LINEAR, VARIANTS, display_study
 
 NAMES = ("pixel-aniso", "pixel-point", "reference")

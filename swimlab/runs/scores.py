@@ -1,0 +1,82 @@
+"""The files of scores: finding, reading, joining and writing them."""
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+from swimlab.runs.files import write_json, write_text
+from swimlab.runs.provenance import provenance
+from swimlab.runs.record import VERSION, Record, RunError
+
+
+def run_folders(folder: Path) -> list[Path]:
+    """The folder itself where it is a run, else the runs in it. Raises RunError where there is none."""
+    if (folder / "run.json").is_file():
+        return [folder]
+    found = sorted(path.parent for path in folder.glob("*/run.json"))
+    if not found:
+        raise RunError(f"{folder}: holds no run.json, nor does a folder in it; make a run with 'swimlab study'")
+    return found
+
+
+def scores_path(run: Path) -> Path:
+    """The file of scores of a run folder or a study's folder; the file itself where that is given."""
+    return run if run.suffix == ".json" else run / "scores.json"
+
+
+def read_scores(run: Path) -> dict[str, Any]:
+    """The content of a scores.json file, or of that of a run's or a study's folder.
+
+    Raises RunError where it is missing, damaged or of another version.
+    """
+    path = scores_path(run)
+    try:
+        scores = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RunError(f"{path}: is missing; measure the run first: swimlab measure {path.parent}") from None
+    except OSError as error:
+        raise RunError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise RunError(f"{path}: is not JSON ({error}); measure the run again") from None
+    version = scores.get("version") if isinstance(scores, dict) else None
+    if version != VERSION:
+        raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; measure again")
+    return dict(scores)
+
+
+def merge_scores(all_scores: list[dict[str, Any]]) -> dict[str, Any]:
+    """One scores.json content over several runs, with the first one's provenance and every run's hash."""
+    provenance = dict(all_scores[0]["provenance"])
+    provenance.pop("rendering", None)
+    provenance["hash"] = ", ".join(scores["provenance"]["hash"] for scores in all_scores)
+    entries = [entry for scores in all_scores for entry in scores["sequences"]]
+    return {"version": VERSION, "provenance": provenance, "sequences": entries}
+
+
+def write_scores(
+    run: Path, record: Record, entries: list[dict[str, Any]], *, domain: str, command: str = ""
+) -> dict[str, Any]:
+    """Write scores.json and frames.csv into a run's folder; return the content of the former."""
+    scores = {
+        "version": VERSION,
+        "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
+        "sequences": entries,
+    }
+    write_json(run / "scores.json", scores)
+    write_text(run / "frames.csv", frames_table(entries))
+    return scores
+
+
+def frames_table(entries: list[dict[str, Any]]) -> str:
+    """The per-frame values of all entries as CSV: sequence, technique, frame and one column a value."""
+    values = [key for entry in entries for row in entry["frames"] for key in row]
+    columns = list(dict.fromkeys(["sequence", "technique", "frame", *values]))
+    text = io.StringIO()
+    table = csv.DictWriter(text, columns, lineterminator="\n")
+    table.writeheader()
+    for entry in entries:
+        for row in entry["frames"]:
+            table.writerow({"sequence": entry["sequence"], "technique": entry["technique"], **row})
+    return text.getvalue()

@@ -1,0 +1,50 @@
+"""Clips in, scores out: one line for rendered and for brought frames."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from metrics import Alignment, Clip, Display, Measurement, ReferenceFrames, measure, quantisation
+from metrics.display import Domain
+from swimlab.scoring.peer_scores import all_peer_scores
+
+
+def score_clip(
+    test: Clip,
+    reference: Clip | ReferenceFrames | None,
+    *,
+    domain: Domain,
+    display: Display,
+    rounding: Sequence[float | None],
+    peers: Sequence[str] = (),
+    alignment: Alignment | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    threads: int | None = None,
+) -> Measurement:
+    """All scores of a clip: those of `metrics`, of the named peers, and the quantisation floor.
+
+    rounding: mean squared rounding errors of some frames, radiance^2, as `metrics.quantisation` takes them. The rest as
+    `metrics.measure` takes it. Raises ClipError naming the frame that is bad, and PeerError.
+    """
+    found = measure(
+        test, reference, domain=domain, display=display, alignment=alignment, progress=progress, threads=threads
+    )
+    exact = reference.reference if isinstance(reference, ReferenceFrames) else reference
+    found.scores |= all_peer_scores(peers, test, exact)
+    found.merge(quantisation(rounding, test.count))
+    return found
+
+
+def entry_of(
+    sequence: str,
+    technique: str,
+    found: Measurement,
+    numbers: Sequence[int],
+    *,
+    domain: Domain,
+    display: Display,
+) -> dict[str, Any]:
+    """What scores.json holds of a clip. numbers: those of its frames, as files have them."""
+    frames = [{**row, "frame": numbers[row["frame"]]} for row in found.frames]
+    shown: dict[str, Any] = {"display": asdict(display)} if domain == "display" else {}
+    return {"sequence": sequence, "technique": technique, **vars(found), "frames": frames, **shown}
