@@ -29,10 +29,7 @@ def read_clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
         covered = geometry(t).coverage
         if REFERENCE not in record.techniques:
             return covered
-        # A pixel filter wider than a pixel takes in what lies beside the road.
-        alpha = read_frame(frame_path(run, REFERENCE, frames[t]))[..., 3]
-        partly = np.minimum(covered, np.clip(alpha, 0.0, 1.0 - ALPHA_ROUNDING))
-        return np.where(np.abs(alpha - 1.0) < ALPHA_ROUNDING, covered, partly).astype(np.float32)
+        return shared_coverage(covered, read_frame(frame_path(run, REFERENCE, frames[t]))[..., 3])
 
     viewing = record.sequence.get("viewing", {})
     return Clip(
@@ -45,6 +42,15 @@ def read_clip(run: Path, record: Record, name: str, frames: list[int]) -> Clip:
         coverage=coverage,
         depth=lambda t: geometry(t).depth,
     )
+
+
+def shared_coverage(covered: Image, alpha: Image) -> Image:
+    """How much of each pixel, [H, W] in 0..1, the surface covers both by the geometry and by the reference's alpha.
+
+    A pixel filter wider than a pixel takes in what lies beside the road: such a pixel is not wholly covered.
+    """
+    partly = np.minimum(covered, np.clip(alpha, 0.0, 1.0 - ALPHA_ROUNDING))
+    return np.where(np.abs(alpha - 1.0) < ALPHA_ROUNDING, covered, partly).astype(np.float32)
 
 
 def _uniform_motion(record: Record, frames: list[int]) -> tuple[float, float] | None:

@@ -18,7 +18,7 @@ from swimlab.render.geometry import describe_geometry
 from swimlab.render.material import Material, load_material
 from swimlab.render.shot import Shot
 from swimlab.render.technique import Picture
-from swimlab.runs.clips import ALPHA_ROUNDING
+from swimlab.runs.clips import shared_coverage
 from swimlab.runs.frames import Geometry, Image
 from swimlab.runs.record import REFERENCE, RunError
 
@@ -163,8 +163,7 @@ class Stage:
         """Pictures as a clip, the geometry's from `first` on; what the reference does not wholly cover is left out."""
 
         def coverage(t: int) -> Image:
-            whole = np.abs(self.reference[first + t].rgba[..., 3] - 1.0) < ALPHA_ROUNDING
-            return np.where(whole, self.geometry[first + t].coverage, 0.0).astype(np.float32)
+            return shared_coverage(self.geometry[first + t].coverage, self.reference[first + t].rgba[..., 3])
 
         return Clip(
             frame=lambda t: pictures[t].rgba[..., :3],

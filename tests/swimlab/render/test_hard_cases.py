@@ -9,11 +9,15 @@ import warp as wp
 from sequences import load
 from swimlab.render.inputs import Maps, variances
 from swimlab.render.kernels.inspection import raise_cosines
-from swimlab.studies import stability_frames as frames
-from swimlab.studies import stability_limits, stability_lobes, stability_measures, stability_moments, stability_slivers
 from swimlab.studies.page import Section, Table
-from swimlab.studies.stability import CASES, Bench, _cancelled, _eight_bit, errors_table
-from swimlab.studies.stability_twin import Twin, compare
+from swimlab.studies.stability import frames
+from swimlab.studies.stability import limits as stability_limits
+from swimlab.studies.stability import lobes as stability_lobes
+from swimlab.studies.stability import measures as stability_measures
+from swimlab.studies.stability import moments as stability_moments
+from swimlab.studies.stability import slivers as stability_slivers
+from swimlab.studies.stability.report import CASES, Bench, _cancelled, _eight_bit, errors_table
+from swimlab.studies.stability.twin import Twin, compare
 
 
 @pytest.fixture(scope="module")
@@ -202,7 +206,7 @@ def test_sections_are_made_of_the_numbers(launcher, asphalt):
 
 
 def test_the_command_writes_the_page_and_its_numbers(swimlab, monkeypatch, tmp_path):
-    monkeypatch.setattr("swimlab.studies.stability.CASES", (_cancelled, _eight_bit))
+    monkeypatch.setattr("swimlab.studies.stability.report.CASES", (_cancelled, _eight_bit))
     code, out, _ = swimlab("bench", "stability", "-o", tmp_path / "reports", "--json", "-q", "--threads", 1)
     assert code == 0
     found = json.loads(out)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from swimlab.render.catalogue import brdfs
-from swimlab.studies import brdf_cost, brdf_report
-from swimlab.studies import brdfs as road
+from swimlab.studies.brdfs import cost as brdf_cost
+from swimlab.studies.brdfs import report as brdf_report
+from swimlab.studies.brdfs import scene as road
 from swimlab.studies.trials import Variant
 
 

@@ -17,7 +17,7 @@ from swimlab.runs.clips import display_of
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.measure import measure_run
-from swimlab.studies.display import LINEAR, VARIANTS, display_study
+from swimlab.studies.beyond.display import LINEAR, VARIANTS, display_study
 
 NAMES = ("pixel-aniso", "pixel-point", "reference")
 SQRT = Table(exposure=1, gamma="sqrt", bits=6, dither=True, bloom=Bloom(strength=0.25))

@@ -18,9 +18,11 @@ from swimlab.report.palette import inks
 from swimlab.report.pareto import front
 from swimlab.report.scatter import LETTER, LINE, Point, scatter
 from swimlab.runs.record import RunError
-from swimlab.studies import growth, speed, speed_report
 from swimlab.studies.panels import Panel, panels
-from swimlab.studies.peers import read_peers, section, verdict
+from swimlab.studies.speed import growth
+from swimlab.studies.speed import report as speed_report
+from swimlab.studies.speed import settings as speed
+from swimlab.studies.speed.peers import read_peers, section, verdict
 from swimlab.studies.trials import Trial, Variant
 from swimlab.studies.turns import Time, cpu, in_turns, share, wall
 
@@ -251,8 +253,8 @@ def test_the_report_holds_every_setting(swimlab, monkeypatch, tmp_path):
     ("words", "problem"),
     [
         (["--size", "32x32"], "64x64"),
-        (["--rounds", "0"], "once or more"),
-        (["--samples", "64"], "more than the 64"),
+        (["--rounds", "0"], "at least 1"),
+        (["--samples", "64"], "above 64"),
         (["--peers", "none.json"], "none.json"),
     ],
 )

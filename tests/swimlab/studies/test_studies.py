@@ -15,7 +15,9 @@ from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.report.charts import Axis, Line
 from swimlab.report.contact import CELL, ENLARGED, GAP, HEADER, NAMES
-from swimlab.studies import beyond, comparison, moments, slivers, tsl, vertex
+from swimlab.studies.beyond import moments, slivers, tsl, vertex
+from swimlab.studies.beyond import report as beyond
+from swimlab.studies.beyond import techniques as comparison
 from swimlab.studies.page import Figure, Section, Table, chart, markdown, shown, tables, write_page
 from swimlab.studies.sheet import contact_sheet
 from swimlab.studies.trials import Trial, Variant

@@ -12,8 +12,9 @@ from swimlab.render.catalogue import brdf_settings, technique_settings
 from swimlab.render.plan import Plan
 from swimlab.render.run import render_run
 from swimlab.runs.provenance import provenance
-from swimlab.studies import comparison, moments, slivers, tsl, vertex
-from swimlab.studies.display import Row, display_study
+from swimlab.studies.beyond import moments, slivers, tsl, vertex
+from swimlab.studies.beyond import techniques as comparison
+from swimlab.studies.beyond.display import Row, display_study
 from swimlab.studies.page import Section, Table, tables, write_page
 from swimlab.studies.trials import Stage
 

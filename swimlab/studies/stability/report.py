@@ -8,15 +8,10 @@ from metrics.kernels.launch import Launcher
 from sequences.asphalt import make
 from swimlab.render.inputs import Maps
 from swimlab.runs.provenance import provenance
-from swimlab.studies import stability_frames as frames
-from swimlab.studies import stability_lobes as lobes
-from swimlab.studies import stability_measures as measures
-from swimlab.studies import stability_memory as memory
-from swimlab.studies import stability_moments as moments
-from swimlab.studies import stability_slivers as slivers
 from swimlab.studies.page import Cell, Section, Table, tables, write_page
-from swimlab.studies.stability_limits import limits
-from swimlab.studies.stability_twin import Error
+from swimlab.studies.stability import frames, lobes, measures, memory, moments, slivers
+from swimlab.studies.stability.limits import limits
+from swimlab.studies.stability.twin import Error
 
 NAME = "stability"
 """Of the report's file."""

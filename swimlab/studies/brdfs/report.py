@@ -6,8 +6,8 @@ from typing import Any
 
 from metrics.kernels.launch import Launcher
 from swimlab.runs.provenance import provenance
-from swimlab.studies.brdf_cost import FORMS, LOOP, POWERS, Cost, TableError, table_errors, time_models
-from swimlab.studies.brdfs import FRAMES, SAMPLES, SIZE, Row, brdf_study
+from swimlab.studies.brdfs.cost import FORMS, LOOP, POWERS, Cost, TableError, table_errors, time_models
+from swimlab.studies.brdfs.scene import FRAMES, SAMPLES, SIZE, Row, brdf_study
 from swimlab.studies.page import Cell, Section, Table, tables, write_page
 
 ROUNDS = 61

@@ -14,7 +14,7 @@ from swimlab.render.kernels.inspection import shaded_samples
 from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import in_local_frame
 from swimlab.render.kernels.structs import LANES, Sun, Texel
-from swimlab.studies.stability_twin import Doubles, Error, compare, radiance, unit
+from swimlab.studies.stability.twin import Doubles, Error, compare, radiance, unit
 
 SAMPLES = 128 * LANES
 EYE = 1.3

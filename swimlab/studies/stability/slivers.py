@@ -11,7 +11,7 @@ from swimlab.render.kernels.inspection import surfaces
 from swimlab.render.kernels.structs import Grid
 from swimlab.render.mesh import Mesh
 from swimlab.render.triangles import set_up, visibility
-from swimlab.studies.stability_twin import Doubles
+from swimlab.studies.stability.twin import Doubles
 
 SIDE = 12
 LEFT, TOP, BOTTOM = 3.3137, 1.3, 10.7

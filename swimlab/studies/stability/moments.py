@@ -10,7 +10,7 @@ from swimlab.render.inputs import Inputs, Maps, variances
 from swimlab.render.kernels.inspection import resolve_coarsest
 from swimlab.render.material import Material
 from swimlab.render.techniques import clean, lean
-from swimlab.studies.stability_twin import Doubles, rms, unit
+from swimlab.studies.stability.twin import Doubles, rms, unit
 
 SIDE = 64
 MAPS = 6

@@ -9,9 +9,10 @@ from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render.material import load_material
 from swimlab.runs.provenance import provenance
-from swimlab.studies import growth, speed
 from swimlab.studies.page import tables, write_page
-from swimlab.studies.peers import read_peers
+from swimlab.studies.speed import growth
+from swimlab.studies.speed import settings as speed
+from swimlab.studies.speed.peers import read_peers
 from swimlab.studies.turns import share
 
 NAME = "speed-against-error"

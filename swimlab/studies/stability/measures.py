@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import Clip, ClipError, measure
-from swimlab.studies.stability_twin import rms
+from swimlab.studies.stability.twin import rms
 
 SIDE, FRAMES = 64, 8
 BRIGHTNESS = (1.0, 1e2, 1e4, 1e5)

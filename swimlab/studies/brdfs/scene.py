@@ -10,7 +10,7 @@ from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render.inputs import Maps
 from swimlab.render.material import Material, read_maps
-from swimlab.studies.brdf_cost import FORMS, Form
+from swimlab.studies.brdfs.cost import FORMS, Form
 from swimlab.studies.trials import Stage, Trial, Variant
 
 SIZE, FRAMES, SAMPLES = (320, 180), 8, 64

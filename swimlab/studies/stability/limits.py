@@ -9,7 +9,7 @@ from swimlab.render.inputs import LEAST_POWER, STEEPEST, Maps, slopes
 from swimlab.render.kernels.raster import NEAR
 from swimlab.render.material import Material
 from swimlab.render.techniques import clean, toksvig
-from swimlab.studies.stability_moments import SIDE, sloping
+from swimlab.studies.stability.moments import SIDE, sloping
 
 ROUNDING = 2.4e-7
 """Least variance over second moment that CLEAN and LEAN believe."""

@@ -20,7 +20,7 @@ from swimlab.render.mesh import ROWS_PER_WAVE
 from swimlab.render.shot import Shot
 from swimlab.render.texture import MipChain
 from swimlab.render.triangles import visibility
-from swimlab.studies.stability_twin import Doubles, Error, Twin, chain, compare, rms, stretched
+from swimlab.studies.stability.twin import Doubles, Error, Twin, chain, compare, rms, stretched
 
 SIZE = (96, 54)
 ASPECTS = (1.0, 16.0, 100.0, 1e3, 1e4)

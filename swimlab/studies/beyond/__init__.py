@@ -1,0 +1,1 @@
+"""The report on what lies beyond the deck: techniques, moment chains, texture-space lighting and more."""

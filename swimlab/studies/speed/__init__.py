@@ -1,0 +1,1 @@
+"""The report on speed against error."""
