@@ -17,7 +17,7 @@ class Bloom:
 
     strength: share of that light that is spread, 0..1; 0 is no bloom. threshold: radiance, a channel at a time, at
     least 0. radius: standard deviation of the widest Gaussian, as a share of the picture's height, so that a picture
-    of another size blooms alike. Raises ValueError for values out of range.
+    of another size blooms in the same way. Raises ValueError for values out of range.
     """
 
     strength: float = 0.0

@@ -146,7 +146,7 @@ class Budget:
         return found
 
     def _reason(self, part: str, group: str) -> str:
-        """Why a score cannot be had; empty if it can."""
+        """Why a score cannot be measured; empty if it can."""
         if not self._context.has_reference:
             return "needs a reference"
         if part == "floor" and not self._context.has_floor:

@@ -1,7 +1,7 @@
 """Where the surface seen in one frame is seen in another, composed from motion fields, and images taken there.
 
 Everything is done with B-spline interpolation (Unser 1999): linear interpolation would itself read as flicker.
-Surfaces that pass in front of each other are told by their motion: the field bends at the edge between them, and
+Surfaces that pass in front of each other are recognised by their motion: the field bends at the edge between them, and
 nothing is measured near such an edge, nor where two of them come from one place.
 """
 
@@ -44,7 +44,7 @@ class Correspondence:
     """A span's middle frame followed through frames start..stop-1.
 
     usable: [H, W], true where the surface of the middle frame is seen in every frame, off all edges, and not much
-        smaller. Places are held if they take no more than `room` bytes, else found anew for the rows asked for.
+        smaller. Places are held if they take no more than `room` bytes, else computed again for the rows asked for.
     """
 
     def __init__(self, clip: Clip, start: int, stop: int, *, room: float) -> None:

@@ -27,7 +27,7 @@ class Metric:
 
 @dataclass
 class Measurement:
-    """Scores, and for each that cannot be had the reason why; ready for JSON, without NaN.
+    """Scores, and for each that cannot be measured the reason; ready for JSON, without NaN.
 
     errors: standard errors of scores, in their units; one that is not known is left out, and there is a note.
     replicates: scores with one block of tiles left out at a time; two measurements of one geometry leave out the same,

@@ -51,7 +51,7 @@ SCORES = {
 
 KINDS = ("test", "reference", "error")
 
-# Upright strips of the picture: a road is alike along them, not across.
+# Upright strips of the picture: a road looks the same along them, not across.
 STRIPS = 8
 
 Power = NDArray[np.float64]

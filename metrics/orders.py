@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 HIGHEST = 2
-"""Orders up to this far apart are told."""
+"""Orders up to this one, either way, are separated."""
 
 RAISED = 20.0
 """Noise of one order may be raised this much by its neighbours (diagonal of the inverse Gram matrix)."""
@@ -72,7 +72,7 @@ class Orders:
         return {order for order, much in zip(self.single, raised, strict=True) if much > RAISED}
 
     def why_not(self, level: int) -> str:
-        """Why the share of a rank cannot be had, naming the orders; empty if it can."""
+        """Why the share of a rank cannot be measured, naming the orders; empty if it can."""
         mixed = [g for g in self.groups if {rank(n) for n in g} >= {level} and len({rank(n) for n in g}) > 1]
         if not mixed:
             return ""
@@ -85,7 +85,7 @@ class Orders:
 def separate(velocity: tuple[float, float]) -> Orders:
     """Group the orders by temporal frequency for a motion (dx, dy), px a frame.
 
-    Along an axis in which nothing moves aliases cannot be seen: orders are told along the other axis only.
+    Along an axis in which nothing moves aliases cannot be seen: orders are separated along the other axis only.
     """
     spread = range(-HIGHEST, HIGHEST + 1)
     axes = [spread if speed else range(1) for speed in velocity]

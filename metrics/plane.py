@@ -127,7 +127,7 @@ class Plane:
             # The fit raises noise where a clip is too short to keep orders well apart: leave each the noise it has.
             noise = off[tile] / (self._count - len(flat))
             alone = self._count * np.square(np.abs(amplitudes)).sum(axis=1) + noise * (1 - raised)
-            # Orders that are not told apart have a sum only.
+            # Orders that cannot be separated have a sum only.
             each = np.where(raised > RAISED, joint, alone)
             # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
             found[tile] = (each + each[opposite]) / 2
@@ -200,7 +200,7 @@ class Plane:
 
 
 def _too_short(orders: Iterable[Order]) -> str:
-    """Why orders too near to each other for the clip's length cannot be told apart."""
+    """Why the clip is too short to separate orders this near to each other."""
     names = ", ".join(str(order) for order in sorted(orders))
     return f"too few frames to tell orders {names} apart" if names else ""
 

@@ -85,7 +85,7 @@ def _dot(one: Values, other: Values) -> float:
 
 
 def jackknife(replicates: Sequence[float] | Values) -> float:
-    """The standard error of what was found anew with each of some blocks left out (Efron & Stein 1981, eq. 1.3)."""
+    """The standard error of what is found again with each of some blocks left out (Efron & Stein 1981, eq. 1.3)."""
     return float(np.sqrt((len(replicates) - 1) * np.var(replicates)))
 
 

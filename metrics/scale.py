@@ -80,8 +80,8 @@ def measure_scales(
     _check(test, reference, scales)
     own = to_domain(test[0].image(0), domain, display)
     seen = _whole(test[0])
-    truth = own if reference is None else to_domain(reference[0].image(0), domain, display)
-    bright = float(np.percentile(truth[:, seen], HIGHLIGHT)) if seen.any() else 0.0
+    guide = own if reference is None else to_domain(reference[0].image(0), domain, display)
+    bright = float(np.percentile(guide[:, seen], HIGHLIGHT)) if seen.any() else 0.0
     views = []
     for index, scale in enumerate(scales):
         picture = to_domain(test[index].image(0), domain, display, index)

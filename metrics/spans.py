@@ -102,7 +102,7 @@ def align(clip: Clip, *, keep: bool = True, room: float = ROOM) -> Alignment:
 
     keep: hold all spans, to be used again (8 bytes a pixel and frame if the motion is not uniform); else they are
         made as they are asked for, once.
-    room: bytes that correspondences may take; what does not fit is found anew for a part of the picture at a time.
+    room: bytes that correspondences may take; what does not fit is computed again for a part of the picture at a time.
     """
     steps = uniform_steps(clip)
     together = clip.count if keep else min(clip.count, LONGEST_UNWARPED)

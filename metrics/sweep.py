@@ -48,7 +48,7 @@ class Sweep:
         self._pool.shutdown(wait=True, cancel_futures=kind is not None)
 
     def run(self, span: Span, advance: Callable[[int], object]) -> None:
-        """Feed a span; `advance` is told the number of frames done, in the clip."""
+        """Feed a span; `advance` is called with the number of the clip's frames that are done."""
         height, width = span.shape
         frame = self._frame * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))

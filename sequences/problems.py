@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 
 class SequenceError(ValueError):
-    """A sequence that cannot be had. `problems` holds every problem found, a line each."""
+    """A sequence that cannot be loaded. `problems` holds every problem found, a line each."""
 
     def __init__(self, problems: Iterable[str]) -> None:
         self.problems = list(problems)

@@ -20,8 +20,8 @@ import warp as wp
 Item = TypeVar("Item")
 
 STRIP_ROWS = 32
-"""Rows of samples a task: enough tasks to even out cheap and dear rows, few enough that starting them costs nothing,
-and a strip's visibility buffer stays in the cache."""
+"""Rows of samples a task: enough tasks to even out cheap and expensive rows, few enough that starting them
+costs nothing, and a strip's visibility buffer stays in the cache."""
 
 
 class Strip(NamedTuple):

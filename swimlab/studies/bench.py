@@ -52,11 +52,11 @@ def time_measures(
     test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
     reference = Clip(lambda _: still, frames, motion=VELOCITY)
 
-    truth = ReferenceFrames(reference)
+    exact = ReferenceFrames(reference)
 
     def transform() -> None:
         def read(span: Span, t: int) -> Pictures:
-            return truth.against(span, test.planes(t), t)
+            return exact.against(span, test.planes(t), t)
 
         with Sweep([_Spectra()], read, pictures=2, memory=memory, threads=threads) as sweep:
             for span in align(test, keep=False).spans:
