@@ -45,7 +45,7 @@ def _glow(bright: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     Level n of the pyramid, brought back to full size, has one of sqrt(2/3 (4^n - 1)) px; between two levels both are
     mixed, so that nothing jumps where the radius, or the size of the picture, passes an octave.
     """
-    import cv2
+    import cv2  # heavy
 
     widest = log2(max(radius * sqrt(1.5), 1.0))
     depths = np.clip(widest - np.arange(OCTAVES), 0.0, log2(min(bright.shape)))

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage, stats
 
 from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
@@ -199,8 +200,6 @@ def find_peaks(power: Power, *, independent: float) -> list[Peak]:
     power: [L, L/2 + 1], mean of `independent` periodograms, with doubled energy where a bin stands for k and -k.
     Places are refined by a parabola through the logarithm of three bins along each axis.
     """
-    from scipy import ndimage, stats
-
     size = len(power)
     plane = _whole_plane(power)
     floor = _floor(plane, independent)
@@ -228,8 +227,6 @@ def follow_peak(power: Power, near: Peak, *, independent: float) -> Peak:
 
 def _floor(plane: Power, independent: float) -> Power:
     """Mean power around each bin, from the median of what `independent` periodograms of noise have."""
-    from scipy import ndimage, stats
-
     reach = np.arange(-_HALO, _HALO + 1)
     ring = np.hypot(reach[:, None], reach[None, :])
     freedom = 2 * independent

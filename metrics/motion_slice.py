@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from metrics.levels import rows_of
 from metrics.measurement import Context
@@ -68,8 +69,6 @@ class MotionSlice:
     def end(self) -> None:
         if self._level is None or self._velocity is None or not len(self._seen):
             return
-        from scipy import fft
-
         tiles, count = self._seen.shape[:2]
         hann = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 2
         turned = fft.fft(self._seen * hann.astype(np.float32)[:, None, None], axis=1, overwrite_x=True)

@@ -17,6 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from metrics.tiles import Level, split, window
 
@@ -70,8 +71,6 @@ class TileTransform:
 
     def spectra(self, blocks: Picture) -> Spectrum:
         """Surface-locked spectra of windowed blocks."""
-        from scipy import fft
-
         spectra: Spectrum = fft.rfft2(blocks)
         spectra *= self.phase
         return spectra

@@ -15,10 +15,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from metrics.clip import Clip, Image
+from metrics.kernels.launch import Launcher, Strip
+from metrics.kernels.pairs import compare_pairs
 from metrics.measurement import Measurement, Metric
 from metrics.ratios import Ratios
 from metrics.spans import Span
@@ -72,7 +75,7 @@ class WholeFrame:
 
     geometry: Clip
     error: Callable[[int], Image] | None
-    launcher: Any
+    launcher: Launcher
     _ratios: dict[str, Ratios] = field(default_factory=lambda: defaultdict(Ratios))
     _frames: list[dict[str, Any]] = field(default_factory=list)
     _blocks: dict[str, Any] = field(default_factory=dict)
@@ -130,17 +133,13 @@ class WholeFrame:
         return self._compare(here, pattern.at(x, y).astype(np.float32), surface, owner)
 
     def _compare(self, frame: Image, before: Image, surface: Surface, owner: Field) -> Field:
-        import warp as wp  # heavy: only where pixels are compared
-
-        from metrics.kernels.pairs import compare_pairs
-
         launcher = self.launcher
         height, width = surface.covered.shape
         found = launcher.empty((height, width), wp.vec4)
         pictures = [launcher.array(each, wp.vec3) for each in (frame, before)]
         fields = [launcher.array(each, wp.vec2) for each in (surface.motion, owner)]
 
-        def compare(strip: Any) -> None:
+        def compare(strip: Strip) -> None:
             inputs = [strip.first, *pictures, *fields, ALIKE, found]
             launcher.launch(compare_pairs, (strip.rows, width), inputs)
 

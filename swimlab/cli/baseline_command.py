@@ -7,6 +7,11 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from swimlab.gate.outcome import update_baseline
+from swimlab.gate.rules import GateError, load_gate
+from swimlab.gate.table import number
+from swimlab.runs.provenance import provenance
+
 
 def baseline_command(
     action: Literal["update"],
@@ -31,10 +36,6 @@ def baseline_command(
     count:
         Refuse unless every technique on every sequence comes in so many runs.
     """
-    from swimlab.gate.outcome import update_baseline
-    from swimlab.gate.rules import GateError, load_gate
-    from swimlab.gate.table import number
-    from swimlab.runs.provenance import provenance
 
     command = shlex.join(["swimlab", *sys.argv[1:]])
     try:

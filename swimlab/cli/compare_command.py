@@ -4,12 +4,18 @@ import json
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-if TYPE_CHECKING:
-    from swimlab.compare.pick import Pick
+from swimlab.cli.comparison_table import print_comparison, print_outlook
+from swimlab.compare import history
+from swimlab.compare.commit import commit_of
+from swimlab.compare.pick import Pick
+from swimlab.compare.runs import compare_runs
+from swimlab.runs.entries import read_all
+from swimlab.runs.provenance import provenance
+from swimlab.runs.record import RunError
 
 Flag = Parameter(negative="")
 
@@ -45,9 +51,6 @@ def compare_command(
     json_output:
         Print the comparison as JSON instead of a table.
     """
-    from swimlab.compare.pick import Pick
-    from swimlab.runs.provenance import provenance
-    from swimlab.runs.record import RunError
 
     pick = Pick.of(techniques, metrics)
     if not 0 < sigma < float("inf"):
@@ -57,8 +60,6 @@ def compare_command(
         return _against_history(runs, history, pick, sigma, save=save, json_output=json_output, about=about)
     if save:
         raise RunError("--save: adds to a folder of earlier scores; name it with --history FOLDER")
-    from swimlab.cli.comparison_table import print_comparison
-    from swimlab.compare.runs import compare_runs
 
     comparison = compare_runs(runs, pick=pick, threshold=sigma, provenance=about)
     if json_output:
@@ -71,17 +72,13 @@ def compare_command(
 def _against_history(
     runs: tuple[Path, ...],
     folder: Path,
-    pick: "Pick",
+    pick: Pick,
     sigma: float,
     *,
     save: bool,
     json_output: bool,
     about: dict[str, Any],
 ) -> int:
-    from swimlab.cli.comparison_table import print_outlook
-    from swimlab.compare import history
-    from swimlab.compare.commit import commit_of
-    from swimlab.runs.entries import read_all
 
     outlook = history.look_back(read_all(runs), history.read_history(folder), pick=pick, threshold=sigma)
     saved = history.save(folder, runs, commit_of(Path.cwd()), provenance=about) if save else None

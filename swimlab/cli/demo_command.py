@@ -7,6 +7,9 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from swimlab.cli.options import Rendering
+from swimlab.cli.study_command import study_command
+
 SEQUENCE = "road-shift"
 TECHNIQUES = "pixel-point,pixel-aniso,lod-hack,vmf,tsl"
 SIZE = "320x180"
@@ -35,8 +38,6 @@ def demo_command(
     quiet:
         Show no progress.
     """
-    from swimlab.cli.options import Rendering
-    from swimlab.cli.study_command import study_command
 
     rendering = Rendering(frames=FRAMES, size=SIZE, threads=threads, force=force, quiet=quiet)
     code = study_command(SEQUENCE, techniques=TECHNIQUES, output=output, rendering=rendering)

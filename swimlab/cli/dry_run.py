@@ -3,13 +3,14 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from swimlab.render.plan import Plan
+from swimlab.render.plan import Plan
+from swimlab.render.run import earlier_record, outdated
+from swimlab.runs.frames import frame_path
 
 
-def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool, json_output: bool = False) -> None:
+def print_plans(plans: Sequence[Plan], runs: Sequence[Path], *, force: bool, json_output: bool = False) -> None:
     """Print a line a run: its folder, sequence, size, frames and techniques, and how many pictures lack; or JSON.
 
     Raises RunError where rendering would: a folder that holds a run of other settings, unless `force`.
@@ -34,10 +35,8 @@ def print_plans(plans: Sequence["Plan"], runs: Sequence[Path], *, force: bool, j
         print(f"{row['run']}: {what}: {row['pictures'] - row['done']} of {row['pictures']} pictures to render")
 
 
-def pictures_there(plan: "Plan", run: Path, *, force: bool) -> int:
+def pictures_there(plan: Plan, run: Path, *, force: bool) -> int:
     """How many of a plan's pictures need not be rendered. Raises RunError for a run of other settings."""
-    from swimlab.render.run import earlier_record, outdated
-    from swimlab.runs.frames import frame_path
 
     record = None if force else earlier_record(plan, run, force=False)
     if record is None:

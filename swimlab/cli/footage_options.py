@@ -1,15 +1,16 @@
 """Options of the commands that read anyone's frames."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from math import isfinite
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-if TYPE_CHECKING:
-    from metrics import Display
-    from swimlab.footage.convention import Convention
-    from swimlab.footage.source import Box
-    from swimlab.footage.subject import Request
+from metrics import Display
+from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.source import Box, Look
+from swimlab.footage.subject import Request
+from swimlab.runs.frames import FrameError
 
 Hyphens = Parameter(allow_leading_hyphen=True)
 Flag = Parameter(negative="")
@@ -94,11 +95,8 @@ class Footage:
     exposure: Annotated[float | None, Hyphens] = None
     tone_map: Literal["none", "reinhard", "aces"] | None = None
 
-    def request(self, domain: Literal["linear", "display"]) -> "Request":
+    def request(self, domain: Literal["linear", "display"]) -> Request:
         """What to measure. Raises FrameError for an option that cannot be read."""
-        from swimlab.footage.source import Look
-        from swimlab.footage.subject import Request
-        from swimlab.runs.frames import FrameError
 
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
@@ -128,10 +126,7 @@ class Footage:
             _check_positive(f"--{name.replace('_', '-')}", value)
         return {name: value for name, value in given.items() if value is not None}
 
-    def _display(self, domain: Literal["linear", "display"]) -> "Display":
-        from metrics import Display
-        from swimlab.runs.frames import FrameError
-
+    def _display(self, domain: Literal["linear", "display"]) -> Display:
         for option, value in (("--exposure", self.exposure), ("--tone-map", self.tone_map)):
             if value is not None and domain != "display":
                 raise FrameError(f"{option} {value}: is for --domain display")
@@ -140,10 +135,7 @@ class Footage:
         except ValueError as error:
             raise FrameError(f"--exposure: {error}") from error
 
-    def _convention(self) -> "Convention":
-        from swimlab.footage.convention import PRESETS
-        from swimlab.runs.frames import FrameError
-
+    def _convention(self) -> Convention:
         preset = PRESETS[self.motion_convention]
         pairs = preset.channels
         if self.motion_channels is not None:
@@ -162,16 +154,11 @@ class Footage:
 
 
 def _check_positive(option: str, value: float | None) -> None:
-    from swimlab.runs.frames import FrameError
-
     if value is not None and not 0 < value < float("inf"):
         raise FrameError(f"{option} {value:g}: must be above 0")
 
 
 def _crop(text: str | None) -> "Box | None":
-    from swimlab.footage.source import Box
-    from swimlab.runs.frames import FrameError
-
     if text is None:
         return None
     try:
@@ -182,10 +169,6 @@ def _crop(text: str | None) -> "Box | None":
 
 
 def _scale(text: str) -> tuple[float, float]:
-    from math import isfinite
-
-    from swimlab.runs.frames import FrameError
-
     try:
         factors = [float(factor) for factor in text.split(",")]
     except ValueError:

@@ -5,12 +5,16 @@ import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
-if TYPE_CHECKING:
-    from swimlab.gate.outcome import Outcome
+from swimlab.gate import github
+from swimlab.gate.junit import junit, junit_error
+from swimlab.gate.outcome import Outcome, run_gate
+from swimlab.gate.table import print_table
+from swimlab.runs.files import write_json, write_text
+from swimlab.runs.provenance import provenance
 
 
 @Parameter(name="*")
@@ -37,17 +41,12 @@ class Reports:
 
     def write_error(self, gate: Path, message: str) -> None:
         """Say in the JUnit file, if one is wanted, that the gate could not run: a CI server shows nothing else."""
-        from swimlab.gate.junit import junit_error
-        from swimlab.runs.files import write_text
 
         if self.junit is not None:
             write_text(self.junit, junit_error(gate, message))
 
-    def write(self, outcome: "Outcome") -> None:
+    def write(self, outcome: Outcome) -> None:
         """Write every report that is wanted."""
-        from swimlab.gate import github
-        from swimlab.gate.junit import junit
-        from swimlab.runs.files import write_json, write_text
 
         if self.json is not None:
             write_json(self.json, outcome.as_json())
@@ -80,9 +79,6 @@ def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, 
     runs:
         Measured run folders, folders of a study, or scores.json files.
     """
-    from swimlab.gate.outcome import run_gate
-    from swimlab.gate.table import print_table
-    from swimlab.runs.provenance import provenance
 
     reports = reports or Reports()
     try:

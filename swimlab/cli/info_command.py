@@ -6,6 +6,13 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from swimlab.footage.describe import describe
+from swimlab.footage.pattern import holds_frames
+from swimlab.render.plan import load_sequence
+from swimlab.runs.entries import read_entries
+from swimlab.runs.record import Record
+from swimlab.runs.scores import read_scores
+
 
 def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="--json", negative="")] = False) -> int:
     """Say what a sequence, a run folder or frames of your own hold.
@@ -18,8 +25,6 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     json_output:
         Print it as JSON, a run folder's run.json in full.
     """
-    from swimlab.footage.pattern import holds_frames
-    from swimlab.runs.record import Record
 
     if json_output:
         content = _as_json(what)
@@ -49,17 +54,10 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
 
 
 def _as_json(what: str) -> dict[str, Any]:
-    from swimlab.footage.describe import describe
-    from swimlab.footage.pattern import holds_frames
-    from swimlab.render.plan import load_sequence
-    from swimlab.runs.record import Record
-
     if holds_frames(what):
         lines, bad = describe(what)
         return {**dict(lines), "bad frames": bad}
     if _holds_scores(Path(what)):
-        from swimlab.runs.scores import read_scores
-
         return read_scores(Path(what))
     if not Path(what).is_dir():
         return load_sequence(what).model_dump(mode="json")
@@ -71,7 +69,6 @@ def print_frames(name: str) -> int:
 
     Returns 2 where frames are bad, else 0.
     """
-    from swimlab.footage.describe import describe
 
     lines, bad = describe(name)
     for heading, value in [*lines, *(("bad frame", problem) for problem in bad)]:
@@ -88,8 +85,6 @@ def _holds_scores(path: Path) -> bool:
 
 def print_scores_of(path: Path) -> None:
     """Print of what and under which settings scores were measured, and what a reader should know beside them."""
-    from swimlab.runs.entries import read_entries
-    from swimlab.runs.scores import read_scores
 
     content = read_scores(path)
     measured: dict[tuple[str, str, str], list[str]] = {}
@@ -109,7 +104,6 @@ def print_scores_of(path: Path) -> None:
 
 def print_sequence(name: str) -> None:
     """Print a sequence with every default filled in, as TOML-like lines of key = value."""
-    from swimlab.render.plan import load_sequence
 
     def walk(table: dict[str, object], prefix: str) -> None:
         for key, value in table.items():

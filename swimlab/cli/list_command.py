@@ -5,7 +5,13 @@ from pathlib import Path
 from typing import Annotated, Literal, get_args
 
 from cyclopts import Parameter
+from rich.console import Console
+from rich.table import Table
 
+from metrics import METRICS
+from metrics.bands import BANDS
+from sequences import library, load
+from swimlab.render.catalogue import brdfs, techniques
 from swimlab.runs.record import RunError
 
 Kind = Literal["techniques", "sequences", "brdfs", "metrics"]
@@ -32,8 +38,6 @@ def list_command(
     if json_output:
         print(json.dumps(rows, indent=1))
         return 0
-    from rich.console import Console
-    from rich.table import Table
 
     shown = [column for column in rows[0] if column != IN_JSON.get(kind)]
     table = Table(*shown, box=None, pad_edge=False)
@@ -45,12 +49,8 @@ def list_command(
 
 def _rows(kind: Kind) -> list[dict[str, str]]:
     if kind == "sequences":
-        from sequences import library
-
         return [_sequence(name, path) for name, path in library().items()]
     if kind == "metrics":
-        from metrics import METRICS
-
         return [
             {
                 "metric": name,
@@ -61,7 +61,6 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
             }
             for name, metric in METRICS.items()
         ]
-    from swimlab.render.catalogue import brdfs, techniques
 
     entries = techniques() if kind == "techniques" else brdfs()
     return [
@@ -72,7 +71,6 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
 
 def _sequence(name: str, path: Path) -> dict[str, str]:
     """A sequence of the library; what it is says the comment that its file starts with."""
-    from sequences import load
 
     sequence = load(name)
     return {
@@ -87,7 +85,6 @@ def _sequence(name: str, path: Path) -> dict[str, str]:
 
 def _folded(rows: list[dict[str, str]]) -> list[dict[str, str]]:
     """Metrics without their variants by band, which are named beside what they are of."""
-    from metrics.bands import BANDS
 
     names = {row["metric"] for row in rows}
     found = []

@@ -13,7 +13,14 @@ from cyclopts import Parameter
 from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.progress import progress
-from swimlab.runs.record import Record, RunError
+from swimlab.cli.score_table import print_scores
+from swimlab.footage.subject import Subject
+from swimlab.runs.columns import COLUMNS
+from swimlab.runs.files import write_json, write_text
+from swimlab.runs.record import REFERENCE, Record, RunError
+from swimlab.runs.scores import frames_table, scores_path
+from swimlab.scoring.footage import measure_subject
+from swimlab.scoring.measure import measure_run
 
 
 def measure_command(
@@ -59,8 +66,6 @@ def measure_command(
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
     else:
-        from swimlab.cli.score_table import print_scores
-
         print_scores([scores])
         if written is not None:
             print(written)
@@ -76,8 +81,6 @@ def measure_with_progress(
     quiet: bool,
 ) -> dict[str, Any]:
     """Measure a run, showing how far it is."""
-    from swimlab.runs.record import REFERENCE
-    from swimlab.scoring.measure import measure_run
 
     record = Record.read(run)
     tests = [name for name in record.techniques if name != REFERENCE]
@@ -88,8 +91,6 @@ def measure_with_progress(
 
 def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool) -> dict[str, Any]:
     """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
-    from swimlab.footage.subject import Subject
-    from swimlab.scoring.footage import measure_subject
 
     def say(text: str) -> None:
         if not quiet:
@@ -109,7 +110,6 @@ def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], 
 
 def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
     """Families of scores ("budget") of which there is none, each with the reason why its main one is absent."""
-    from swimlab.runs.columns import COLUMNS
 
     there = {name.partition(".")[0] for name in entry["scores"]}
     main = [name for name, _ in COLUMNS.values() if name in entry["absent"]]
@@ -125,8 +125,6 @@ def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
 
 def _write(output: Path, scores: dict[str, Any]) -> Path:
     """Write scores into a folder as a run has them, or into a .json file; return the file's path."""
-    from swimlab.runs.files import write_json, write_text
-    from swimlab.runs.scores import frames_table, scores_path
 
     path = scores_path(output)
     if path != output:

@@ -1,13 +1,15 @@
 """Options that several commands share."""
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
-if TYPE_CHECKING:
-    from swimlab.render.plan import Plan
+from swimlab.render.catalogue import techniques
+from swimlab.render.plan import Plan, check_threads, make_plan
+from swimlab.runs.record import RunError
 
 
 @Parameter(name="*")
@@ -50,9 +52,8 @@ class Rendering:
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False
     dry_run: Annotated[bool, Parameter(negative="")] = False
 
-    def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> "Plan":
+    def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
         """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
-        from swimlab.render.plan import check_threads, make_plan
 
         check_threads(self.threads)
         return make_plan(
@@ -67,10 +68,6 @@ class Rendering:
 
 def technique_names(text: str | None) -> tuple[str, ...]:
     """Techniques from a list with commas, every one for None. Raises RunError naming an unknown one."""
-    from difflib import get_close_matches
-
-    from swimlab.render.catalogue import techniques
-    from swimlab.runs.record import RunError
 
     known = tuple(techniques())
     if text is None:
@@ -91,7 +88,6 @@ def run_folder(name: str) -> Path:
 
 def parse_size(text: str) -> tuple[int, int]:
     """Width and height from WIDTHxHEIGHT. Raises RunError."""
-    from swimlab.runs.record import RunError
 
     try:
         width, height = (int(side) for side in text.lower().split("x"))

@@ -5,6 +5,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
 
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
 
 @contextmanager
 def progress(what: str, total: int, *, quiet: bool, verbose: bool = False) -> Iterator[Callable[[str], None]]:
@@ -12,8 +15,6 @@ def progress(what: str, total: int, *, quiet: bool, verbose: bool = False) -> It
 
     verbose: a line a step in place of the bar, for logs.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
         TextColumn("{task.description}"),

@@ -3,16 +3,16 @@
 import shlex
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from swimlab.cli.dry_run import print_plans
 from swimlab.cli.options import Rendering, run_folder, technique_names
 from swimlab.cli.progress import progress
-
-if TYPE_CHECKING:
-    from swimlab.render.plan import Plan
+from swimlab.render.plan import Plan
+from swimlab.render.run import render_run
+from swimlab.render.texture_pictures import check_targets, write_run_targets
 
 
 def render_command(
@@ -43,8 +43,6 @@ def render_command(
     plan = rendering.plan(sequence, technique_names(techniques))
     run = output or run_folder(plan.sequence.name)
     if targets:
-        from swimlab.render.texture_pictures import check_targets
-
         check_targets(plan)
     if rendering.dry_run:
         print_plans([plan], [run], force=rendering.force)
@@ -56,18 +54,15 @@ def render_command(
     return 0
 
 
-def _targets_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
-    from swimlab.render.texture_pictures import write_run_targets
-
+def _targets_with_progress(plan: Plan, run: Path, rendering: Rendering) -> None:
     with progress(f"targets of {plan.sequence.name}", len(plan.frames), quiet=rendering.quiet) as advance:
         write_run_targets(
             plan, run, threads=rendering.threads, device=rendering.device, advance=lambda: advance("targets")
         )
 
 
-def render_with_progress(plan: "Plan", run: Path, rendering: Rendering) -> None:
+def render_with_progress(plan: Plan, run: Path, rendering: Rendering) -> None:
     """Render a plan, showing how far it is."""
-    from swimlab.render.run import render_run
 
     steps = len(plan.frames) * len(plan.techniques)
     quiet, verbose = rendering.quiet, rendering.verbose

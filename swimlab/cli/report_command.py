@@ -5,6 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from swimlab.cli.progress import progress
+from swimlab.report.bundle import PAGE
+from swimlab.report.page import write_report, write_report_folder
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import merge_scores, read_scores, run_folders
 
@@ -28,9 +31,6 @@ def report_command(
     quiet:
         Show no progress.
     """
-    from swimlab.cli.progress import progress
-    from swimlab.report.bundle import PAGE
-    from swimlab.report.page import write_report, write_report_folder
 
     if not runs:
         raise RunError("report: name at least one run folder")

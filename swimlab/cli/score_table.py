@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
+from rich import box
+from rich.table import Column, Table
+
 from swimlab.cli.terminal import print_whole
 from swimlab.runs.columns import COLUMNS, MARKS, marked, roots
 from swimlab.scoring.resolution import LEGEND, MARK, unresolved
@@ -10,8 +13,6 @@ from swimlab.scoring.resolution import LEGEND, MARK, unresolved
 
 def print_scores(all_scores: Sequence[dict[str, Any]]) -> None:
     """Print a table a sequence on stdout: techniques by rows, only the scores there are, `-` for an absent one."""
-    from rich import box
-    from rich.table import Column, Table
 
     for scores in all_scores:
         entries = scores["sequences"]

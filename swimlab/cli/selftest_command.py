@@ -5,8 +5,11 @@ from dataclasses import asdict
 from typing import Annotated
 
 from cyclopts import Parameter
+from rich import box
+from rich.console import Console
+from rich.table import Table
 
-from swimlab.studies.selftest import Check
+from swimlab.studies.selftest import Check, checks
 
 
 def selftest_command(
@@ -23,7 +26,6 @@ def selftest_command(
     quiet:
         Show only the checks that are off.
     """
-    from swimlab.studies.selftest import checks
 
     done = list(checks())
     if json_output:
@@ -36,10 +38,6 @@ def selftest_command(
 
 
 def _print_table(done: list[Check]) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
     table = Table("clip", "score", box=box.SIMPLE_HEAD)
     for heading in ("measured", "expected", "within", ""):
         table.add_column(heading, justify="right")

@@ -12,6 +12,9 @@ from swimlab.cli.dry_run import print_plans
 from swimlab.cli.measure_command import measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
+from swimlab.cli.score_table import print_scores
+from swimlab.report.contact import write_contact_sheet
+from swimlab.report.page import write_report
 from swimlab.runs.files import write_json
 from swimlab.runs.record import REFERENCE, RunError
 from swimlab.runs.scores import merge_scores
@@ -45,9 +48,6 @@ def study_command(
     json_output:
         Print the scores as JSON instead of a table.
     """
-    from swimlab.cli.score_table import print_scores
-    from swimlab.report.contact import write_contact_sheet
-    from swimlab.report.page import write_report
 
     rendering = rendering or Rendering()
     names = technique_names(None if techniques is None else f"{techniques},{REFERENCE}")

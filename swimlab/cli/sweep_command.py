@@ -9,17 +9,22 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from swimlab.cli.progress import progress
+from swimlab.cli.sweep_table import print_sweep
+from swimlab.render.plan import check_threads
+from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError
-
-if TYPE_CHECKING:
-    from swimlab.sweep.chunk import Chunk
-    from swimlab.sweep.run import Work
-    from swimlab.sweep.task import Engine
+from swimlab.runs.scores import merge_scores
+from swimlab.sweep.chunk import Chunk
+from swimlab.sweep.cluster import dask_engine
+from swimlab.sweep.file import load_sweep
+from swimlab.sweep.openjd import job_template
+from swimlab.sweep.run import Outcome, Work, finish, render_chunks
+from swimlab.sweep.task import Engine, local
 
 SHOWN = 5
 """Failures that are printed; all are in files."""
@@ -67,9 +72,6 @@ def sweep_command(
     quiet:
         Show no progress.
     """
-    from swimlab.render.plan import check_threads
-    from swimlab.sweep.file import load_sweep
-    from swimlab.sweep.run import Outcome, Work, finish, render_chunks
 
     if scheduler is not None and engine != "dask":
         raise RunError(f"--scheduler {scheduler}: is for --engine dask; add that")
@@ -108,13 +110,10 @@ def parse_share(text: str) -> tuple[int, int]:
 
 
 @contextmanager
-def _engine(name: str, scheduler: str | None, threads: int | None) -> "Iterator[Engine]":
-    from swimlab.sweep.task import local
-
+def _engine(name: str, scheduler: str | None, threads: int | None) -> Iterator[Engine]:
     if name == "local":
         yield local
         return
-    from swimlab.sweep.cluster import dask_engine
 
     with dask_engine(scheduler, threads=threads) as engine:
         yield engine
@@ -125,16 +124,13 @@ def _threads(engine: str, scheduler: str | None, threads: int | None) -> int | N
     return threads or 1 if engine == "dask" and scheduler is None else threads
 
 
-def _export(work: "Work", sweep: Path, path: Path) -> int:
-    from swimlab.runs.files import write_json
-    from swimlab.sweep.openjd import job_template
-
+def _export(work: Work, sweep: Path, path: Path) -> int:
     write_json(path, job_template(work, sweep, path))
     print(path)
     return 0
 
 
-def _say_what_is_to_do(work: "Work", chunks: "Sequence[Chunk]", out: Path, *, json_output: bool) -> int:
+def _say_what_is_to_do(work: Work, chunks: Sequence[Chunk], out: Path, *, json_output: bool) -> int:
     every = Counter(chunk.technique for chunk in chunks)
     done = Counter(chunk.technique for chunk in chunks if chunk.path(out).exists())
     frames = Counter({name: sum(len(c.frames) for c in chunks if c.technique == name) for name in every})
@@ -153,11 +149,7 @@ def _say_what_is_to_do(work: "Work", chunks: "Sequence[Chunk]", out: Path, *, js
     return 0
 
 
-def _print_scores(work: "Work", scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
-    from swimlab.cli.sweep_table import print_sweep
-    from swimlab.runs.files import write_json
-    from swimlab.runs.scores import merge_scores
-
+def _print_scores(work: Work, scores: list[dict[str, Any]], out: Path, *, json_output: bool) -> None:
     merged = merge_scores(scores)
     write_json(out / "scores.json", merged)
     if json_output:

@@ -1,14 +1,22 @@
 """`swimlab table`."""
 
+import csv
 import json
 import os
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
+from rich import box
+from rich.table import Table
+from rich.text import Text
 
-if TYPE_CHECKING:
-    from swimlab.query.store import Answer
+from swimlab.cli.progress import progress
+from swimlab.cli.terminal import print_whole
+from swimlab.query.rows import find_runs
+from swimlab.query.store import Answer, Store
+from swimlab.runs.record import RunError
 
 Flag = Parameter(negative="")
 
@@ -38,10 +46,6 @@ def table_command(
     quiet:
         Show no progress.
     """
-    from swimlab.cli.progress import progress
-    from swimlab.query.rows import find_runs
-    from swimlab.query.store import Store
-    from swimlab.runs.record import RunError
 
     if csv + json_output + (parquet is not None) > 1:
         raise RunError("table: give one of --csv, --json and --parquet")
@@ -77,22 +81,13 @@ def _split(words: tuple[str, ...]) -> tuple[list[Path], str | None]:
     return [Path(word) for word in (others if is_query else words)], last if is_query else None
 
 
-def _print_csv(answer: "Answer") -> None:
-    import csv
-    import sys
-
+def _print_csv(answer: Answer) -> None:
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(answer.columns)
     table.writerows(answer.rows)
 
 
-def _print_table(answer: "Answer") -> None:
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    from swimlab.cli.terminal import print_whole
-
+def _print_table(answer: Answer) -> None:
     table = Table(box=box.SIMPLE_HEAD)
     for index, name in enumerate(answer.columns):
         numbers = all(isinstance(row[index], int | float | None) for row in answer.rows)

@@ -140,7 +140,7 @@ def as_normal(t: float, freedom: int) -> float:
     """The standard normal value that is as improbable as Student's t."""
     if not isfinite(t):
         return t
-    from scipy.special import ndtri, stdtr
+    from scipy.special import ndtri, stdtr  # heavy
 
     return copysign(-float(ndtri(stdtr(freedom, -abs(t)))), t)
 

@@ -28,7 +28,7 @@ class EstimatedMotion:
         return points - sample(self.moved(start, stop), points)
 
     def moved(self, start: int, stop: int) -> Image:
-        import cv2
+        import cv2  # heavy
 
         flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
         flow.setFinestScale(0)

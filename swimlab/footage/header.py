@@ -71,7 +71,7 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
 
     Integers are scaled to 0..1; colours are neither decoded nor multiplied. Raises FrameError.
     """
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     source = _open(path)
     if not source.seek_subimage(part, 0):
@@ -91,7 +91,7 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
 
 def find_damage(path: Path) -> str:
     """What is wrong with a file's data, empty if nothing: what is written first and last is read, tiles in full."""
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     try:
         source = _open(path)
@@ -115,7 +115,7 @@ def find_damage(path: Path) -> str:
 
 
 def _open(path: Path) -> Any:
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     # Without this, OpenImageIO multiplies the colours of a PNG by its alpha.
     config = oiio.ImageSpec()

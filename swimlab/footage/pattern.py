@@ -77,7 +77,7 @@ def find_files(name: str, *, frames: str | None = None) -> Files:
 
 def parse_range(text: str, name: str) -> tuple[int, ...]:
     """Frame numbers in order from 1-48, 1-48x2 or 3,5. Raises FrameError naming what it was given for."""
-    from fileseq.frameset import FrameSet
+    from fileseq.frameset import FrameSet  # heavy
 
     try:
         return tuple(sorted({int(str(frame)) for frame in FrameSet(text)}))
@@ -87,7 +87,7 @@ def parse_range(text: str, name: str) -> tuple[int, ...]:
 
 def frame_range(numbers: Iterable[int]) -> str:
     """Frame numbers in short, as 0-31 or 1-47x2."""
-    from fileseq.frameset import FrameSet
+    from fileseq.frameset import FrameSet  # heavy
 
     return str(FrameSet(list(numbers)))
 

@@ -11,6 +11,7 @@ from metrics import Clip
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.channels import find_pair
 from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.estimate import EstimatedMotion
 from swimlab.footage.header import LOSSY
 from swimlab.footage.motion import FieldMotion, Motion, UniformMotion
 from swimlab.footage.pattern import frame_range, is_video
@@ -143,8 +144,6 @@ class Subject:
             )
             return "none", UniformMotion((0.0, 0.0), self.test.shape)
         if request.motion == ESTIMATE:
-            from swimlab.footage.estimate import EstimatedMotion
-
             self.note("the motion is estimated from the frames, which hides part of their flicker and swimming")
             source = self.reference or self.test
             return "estimated", EstimatedMotion(source.picture)

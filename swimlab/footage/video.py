@@ -72,7 +72,7 @@ class VideoReader:
 
     def _open(self) -> Any:
         try:
-            import av
+            import av  # an extra
         except ImportError as error:
             raise FrameError(f"{self.name}: reading video needs PyAV; pip install 'swimlab[video]'") from error
         try:

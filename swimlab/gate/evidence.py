@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swimlab.gate.crop import worst_region, write_crop
 from swimlab.runs.entries import Entry
+from swimlab.runs.frames import frame_path
 from swimlab.runs.record import REFERENCE, Record
 
 CHANGES = {"flicker", "plane", "residual", "visible"}
@@ -44,16 +46,12 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
         return None
     if entry.folder is None:
         own = "settings" in entry.provenance
-        why = "frames of one's own are not in a run folder" if own else "no run folder lies beside the scores"
+        why = "your own frames are not in a run folder" if own else "no run folder lies beside the scores"
         return Evidence(frame, lacking=why)
-    from swimlab.runs.frames import frame_path
-
     test, reference = (frame_path(entry.folder, name, frame) for name in (entry.technique, REFERENCE))
     gone = [path for path in (test, reference) if not path.is_file()]
     if gone:
         return Evidence(frame, lacking=f"{gone[0]} is gone")
-    from swimlab.gate.crop import worst_region, write_crop
-
     region = worst_region(test, reference)
     crop = entry.folder / "gate" / f"{entry.sequence}-{entry.technique}-{metric}.png"
     write_crop(crop, test, reference, region)

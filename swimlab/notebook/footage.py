@@ -1,6 +1,7 @@
 """Frames of one's own, measured from Python."""
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from os import PathLike, fspath
 from typing import Any
 
@@ -43,8 +44,6 @@ class Measured:
         return "\n".join([repr(self.scores), *self.notes])
 
     def _repr_html_(self) -> str:
-        from html import escape
-
         notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
         return f"{self.scores._repr_html_()}<ul>{notes}</ul>"
 

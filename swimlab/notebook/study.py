@@ -19,6 +19,7 @@ from swimlab.render.plan import check_threads, make_plan
 from swimlab.render.run import render_run
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
+from swimlab.report.page import write_report
 from swimlab.report.recorded import open_run as open_recorded
 from swimlab.runs.clips import read_clip
 from swimlab.runs.frames import Image, frame_path, read_frame
@@ -164,8 +165,6 @@ class Study:
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report, one HTML file that works offline; None: report.html in the run folder."""
-        from swimlab.report.page import write_report
-
         page = self.folder / "report.html" if path is None else Path(path)
         write_report([self.folder], self._content, page)
         return page

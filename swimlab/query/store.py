@@ -49,7 +49,7 @@ class Store:
     def __init__(self, runs: Iterable[Path], *, advance: Callable[[str], None] = lambda _: None) -> None:
         """Read all runs. Raises RunError where DuckDB is not installed or a run cannot be read."""
         try:
-            import duckdb
+            import duckdb  # an extra
         except ImportError as error:
             raise RunError(f"table: needs DuckDB ({error}); pip install 'swimlab[table]'") from error
         self._error = duckdb.Error

@@ -45,7 +45,7 @@ def error_codes(test: Image, reference: Image) -> Picture:
 
 def webp(picture: Picture) -> str:
     """Lossless WebP of sRGB codes [H, W, 3] or grey codes [H, W], as base64 text. Raises OSError."""
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     colour = picture.ndim == 3
     pixels = np.ascontiguousarray(picture if colour else np.repeat(picture[..., None], 3, axis=2))

@@ -65,7 +65,7 @@ def _ticks(low: float, high: float) -> list[tuple[float, str]]:
 
 def _colours() -> NDArray[np.uint8]:
     """[STEPS, 3] sRGB, from dark to bright: Inferno (Smith and van der Walt 2015), of even steps to the eye."""
-    import cv2
+    import cv2  # heavy
 
     codes = np.rint(np.linspace(0, 255, STEPS)).astype(np.uint8)[:, None]
     return np.array(cv2.applyColorMap(codes, cv2.COLORMAP_INFERNO)[:, 0, ::-1], dtype=np.uint8)

@@ -76,7 +76,7 @@ def write_channels(
 
     Raises FrameError where the file cannot be written.
     """
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     height, width, count = pixels.shape
     spec = oiio.ImageSpec(width, height, count, oiio.HALF if half else oiio.FLOAT)
@@ -101,7 +101,7 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
 
     Raises FrameError.
     """
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     source = oiio.ImageInput.open(str(path))
     if source is None:

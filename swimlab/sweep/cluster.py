@@ -22,7 +22,7 @@ def dask_engine(scheduler: str | None, *, threads: int | None) -> Iterator[Engin
     Raises RunError where dask.distributed is not installed or the scheduler does not answer.
     """
     try:
-        import distributed
+        import distributed  # an extra
     except ImportError as error:
         raise RunError(f"--engine dask: needs dask.distributed ({error}); pip install 'swimlab[cluster]'") from error
     dask: Any = distributed

@@ -6,7 +6,7 @@ from swimlab.scoring.peer import Codes, Peer, PeerError, frame_means
 
 def score(test: Clip, reference: Clip) -> dict[str, float]:
     """Mean FLIP of each frame, 0..1; at the clip's pixels per degree, else at FLIP's own 67."""
-    import flip_evaluator
+    import flip_evaluator  # an extra
 
     parameters = {} if test.pixels_per_degree is None else {"ppd": test.pixels_per_degree}
 

@@ -11,7 +11,7 @@ PIXELS_PER_DEGREE = 67.02064514160156
 
 def score(test: Clip, reference: Clip) -> dict[str, float]:
     """Mean FLIP of each frame, 0..1; at the clip's pixels per degree, else at FLIP's own 67."""
-    import OpenImageIO as oiio  # noqa: N813
+    import OpenImageIO as oiio  # noqa: N813, heavy
 
     if not hasattr(oiio.ImageBufAlgo, "FLIP_diff"):
         raise PeerError(f"--peers flip-oiio: OpenImageIO {oiio.VERSION_STRING} has no FLIP_diff; install 3.2 or later")

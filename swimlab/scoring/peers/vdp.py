@@ -16,7 +16,7 @@ def score(test: Clip, reference: Clip) -> dict[str, float]:
 
     The whole clip is held in memory. The clip's pixels per degree replace the display's, where known.
     """
-    import pycvvdp
+    import pycvvdp  # an extra
 
     clips = [np.stack([displayed(clip, frame) for frame in range(clip.count)]) for clip in (test, reference)]
     height, width = test.shape

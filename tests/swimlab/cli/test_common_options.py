@@ -77,9 +77,9 @@ def test_a_mistake_is_told_in_a_line(swimlab, tmp_path, words, said):
 
 def test_a_quiet_selftest_shows_what_is_off(swimlab, monkeypatch):
     good, off = Check("clip", "a", 1.0, 1.0, 0.1), Check("clip", "b", 2.0, 1.0, 0.1)
-    monkeypatch.setattr("swimlab.studies.selftest.checks", lambda: [good])
+    monkeypatch.setattr("swimlab.cli.selftest_command.checks", lambda: [good])
     assert swimlab("selftest", "-q")[:2] == (0, "1 checks, all as expected\n")
-    monkeypatch.setattr("swimlab.studies.selftest.checks", lambda: [good, off])
+    monkeypatch.setattr("swimlab.cli.selftest_command.checks", lambda: [good, off])
     code, out, _ = swimlab("selftest", "-q")
     assert code == 1
     assert [line.split()[1] for line in out.splitlines() if line.strip().startswith("clip ")] == ["score", "b"]
