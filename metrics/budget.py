@@ -34,7 +34,7 @@ PARTS = {
     "floor": "the reference's own squared error, which no difference can be resolved below",
 }
 _SOURCE = "bias-variance decomposition over time, by Parseval on surface-locked tile spectra"
-_FRAMES = "flicker cannot be told from a static error in fewer than 2 frames"
+_FRAMES = "flicker cannot be distinguished from a static error in fewer than 2 frames"
 
 SCORES = {
     f"budget.{part}": Metric("radiance^2", "information" if part == "floor" else "lower", text, _SOURCE)

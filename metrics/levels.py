@@ -14,5 +14,5 @@ def rows_of(power: NDArray[np.float64]) -> list[str]:
 
 
 def levels_of(rows: list[str]) -> NDArray[np.float64]:
-    """[rows, columns] in decibels of such texts. Raises ValueError for what is no such text."""
+    """[rows, columns] in decibels, of texts by `rows_of`. Raises ValueError for any other text."""
     return np.array([[float(word) for word in row.split()] for row in rows])

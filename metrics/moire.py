@@ -135,7 +135,7 @@ class Moire:
         return dict(zip(KINDS, total / sum(self._seen[size][strip] for strip in chosen), strict=True))
 
     def _replicates(self, size: int, independent: float, leading: Peak | None) -> dict[str, list[float]]:
-        """The scores with one strip left out at a time, those that each strip leaves one of; none of a single strip."""
+        """The scores with one strip left out at a time, where every strip leaves a value; none for a single strip."""
         strips = sorted(self._strips[size])
         if len(strips) < 2:
             return {}

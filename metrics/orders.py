@@ -1,4 +1,4 @@
-"""Alias orders n = (nx, ny) of a uniform motion: which of them time can tell apart."""
+"""Alias orders n = (nx, ny) of a uniform motion: which of them time can distinguish."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -77,8 +77,8 @@ class Orders:
         if not mixed:
             return ""
         return (
-            f"at {_words(self.velocity)} px a frame these orders look alike: {_listed(mixed)}; choose another motion, "
-            "such as (23/32, 19/32)"
+            f"at {_words(self.velocity)} px a frame these orders look the same: {_listed(mixed)}; choose another "
+            "motion, such as (23/32, 19/32)"
         )
 
 
@@ -111,7 +111,7 @@ def _notes(velocity: tuple[float, float], groups: list[list[Order]]) -> Iterator
             yield f"nothing moves along {axis}: aliases along it are hidden and count as on the plane"
     alike = [group for group in groups if len(group) > 1]
     if alike:
-        yield f"orders that look alike at {_words(velocity)} px a frame: {_listed(alike)}"
+        yield f"orders that look the same at {_words(velocity)} px a frame: {_listed(alike)}"
 
 
 def _listed(groups: list[list[Order]]) -> str:

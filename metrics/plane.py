@@ -187,7 +187,7 @@ class Plane:
         return found
 
     def _reason(self) -> str:
-        """Why no score can be had; empty if some can."""
+        """Why no score can be measured; empty if some can."""
         if self._orders is None:
             return "needs a motion that is uniform over the picture and in time"
         if not any(self._orders.velocity):

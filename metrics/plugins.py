@@ -33,8 +33,8 @@ def discover(package: ModuleType, attribute: str) -> dict[str, Any]:
 def extend(package: ModuleType, folder: Path) -> list[str]:
     """Let the modules in a folder be found as if they were the package's own; return their full names.
 
-    A folder that is given again is read anew. Raises ValueError where there is no such folder, no module in it, or one
-    with the name of a module that the package has.
+    A folder that is given again is read again. Raises ValueError where there is no such folder, no module in it, or a
+    module with the name of one of the package.
     """
     home = str(folder.resolve())
     others = [path for path in package.__path__ if path != home]
@@ -48,7 +48,7 @@ def extend(package: ModuleType, folder: Path) -> list[str]:
     importlib.invalidate_caches()
     for name in names:
         sys.modules.pop(f"{package.__name__}.{name}", None)
-        # Python tells a changed file by its size and second, which is too coarse for one that is being written.
+        # Python recognises a changed file by its size and second, which is too coarse for one that is being written.
         Path(cache_from_source(f"{home}/{name}.py")).unlink(missing_ok=True)
     return [f"{package.__name__}.{name}" for name in names]
 

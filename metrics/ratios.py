@@ -27,7 +27,7 @@ class Ratios:
     """Sums over tiles of some parts and of a weight; every part over the weight is a score.
 
     The standard error is the spread of the tiles about the ratio (Cochran 1977, eq. 6.9), with the variance raised
-    for the overlap of neighbours. It says how much the score would change on another piece of such a surface.
+    for the overlap of neighbours. It says how much the score would change on another piece of the same kind of surface.
     """
 
     def __init__(self) -> None:
@@ -104,9 +104,9 @@ def difference_error(score: str, one: Entry, other: Entry) -> float | None:
     """The standard error of a score's difference between two measurements; None where it is not known.
 
     one, other: entries of scores.json, or vars(Measurement), with the score. Where both left out the same blocks, what
-    a piece of the surface does to both cancels: energies grow with its light alike, so that it is their ratio that is
-    told from 1, by the spread of its logarithm. Scores that are not all above 0 are subtracted, and without the same
-    blocks both errors are combined.
+    a piece of the surface does to both cancels: energies grow equally with its light, so their ratio is
+    compared with 1, by the spread of its logarithm. Scores that are not all above 0 are subtracted, and without the
+    same blocks both errors are combined.
     """
     pair = [entry.get("replicates", {}).get(score, []) for entry in (one, other)]
     if pair[0] and len(pair[0]) == len(pair[1]):

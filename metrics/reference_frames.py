@@ -23,7 +23,7 @@ class ReferenceFrames:
         display: Display = STANDARD,
         room: float = 0.0,
     ) -> None:
-        """error: t -> [H, W, 3], the half-difference. room: bytes of frames to hold; the others are made anew."""
+        """error: t -> [H, W, 3], the half-difference. room: bytes of frames to hold; the others are made again."""
         self.reference, self.domain, self.display = reference, domain, display
         self._error, self._room = error, room
         self._held: dict[Hashable, Exact] = {}

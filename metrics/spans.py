@@ -152,7 +152,7 @@ def plan(clip: Clip, steps: NDArray[np.float64] | None, *, room: float) -> Itera
 
 
 def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
-    """Whether a span of so many frames tells too little of what moves against the surface."""
+    """Whether a span of so many frames is too short to show what moves against the surface."""
     travel = np.inf if steps is None or len(steps) < 2 else count * float(np.hypot(*steps[1:].mean(axis=0)))
     return count < SHORTEST or travel < SHORTEST_TRAVEL
 

@@ -1,12 +1,12 @@
-"""The error of every pixel: of those that tiles reach, of edges, and of what has just come into view.
+"""The error of every pixel: in the reach of tiles, at edges, and in what has just come into view.
 
 Tiles need a surface that stays in view over a span, off every edge of motion. What they leave out, silhouettes and
 thin geometry among it, is measured by pairs of frames. A pixel's surface is taken from the frame before at x - m(x),
-from pixels of the same surface only, with cubic weights that are normalised over those and used where they sum to more
+from pixels of the same surface only, with cubic weights normalised over these pixels and used where their sum is more
 than one half. The flicker of a pair is half of its mean squared difference: noise reads its own energy, an error that
 is glued to the surface 0, and one that blinks twice its energy. Interpolation takes some energy from the frame before;
-of this the share that flickers is given back, so that noise reads its own energy at every sub-pixel place. Pixels
-without such a place have just come into view.
+of this the share that flickers is given back, so that noise reads its own energy at every sub-pixel place. A pixel
+without that surface in the frame before has just come into view.
 """
 
 from collections import defaultdict

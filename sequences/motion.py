@@ -40,7 +40,7 @@ class Motion(Table):
 
     @property
     def uniform_velocity(self) -> tuple[float, float] | None:
-        """How far all of the picture moves in a frame, px right and down; None if not all moves alike."""
+        """How far all of the picture moves in a frame, px right and down; None if it does not move as one."""
         return None
 
     @property

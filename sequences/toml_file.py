@@ -12,7 +12,7 @@ class TomlError(ValueError):
 def read_toml(path: Path, *, syntax: str, unreadable: str) -> dict[str, Any]:
     """The content of a TOML file.
 
-    syntax: what is often forgotten in such a file. unreadable: what follows the reason where it cannot be opened.
+    syntax: what is often forgotten in this kind of file. unreadable: what follows the reason where it cannot be opened.
     Raises TomlError.
     """
     try:

@@ -91,7 +91,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "window leak": Tolerance(1e-3, "relative; a tile's window spreads a line over a few bins"),
     "float32": Tolerance(1e-6, "relative; values rounded to float32"),
     "plane": Tolerance(1e-4, "fractions of energy; 2e-5 measured: the lowest wave leaks into the mean level"),
-    "beating orders": Tolerance(0.01, "fractions of energy; 3e-3 measured where two orders are not told apart"),
+    "beating orders": Tolerance(0.01, "fractions of energy; 3e-3 measured where two orders are not distinguished"),
     "single precision": Tolerance(1e-5, "projections are held in float32"),
     "noise": Tolerance(0.1, "relative; 1/32 of the energy of 25000 independent values"),
     "peak": Tolerance(0.02, "relative; .1% measured"),

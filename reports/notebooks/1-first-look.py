@@ -29,7 +29,7 @@ road = swimlab.study(
 )
 
 # %% [markdown]
-# `study` rendered every technique and a *reference*, here 64 shaded samples a pixel, which stands for the truth.
+# `study` rendered every technique and a *reference*, here 64 shaded samples a pixel, which stands for the ground truth.
 # The four:
 #
 # - `pixel-point` takes the one texel under the pixel's centre.
@@ -91,7 +91,7 @@ for row in road.scores.values():
 aniso, point, hack, tsl = (road.scores[name] for name in ("pixel-aniso", "pixel-point", "lod-hack", "tsl"))
 assert point["flicker"] > 0.99 * point["rms error"]  # point sampling: right on average, never right in a frame
 assert hack["flicker"] < aniso["flicker"]  # the hack is calmer ...
-assert hack["rms error"] > aniso["rms error"]  # ... and further from the truth
+assert hack["rms error"] > aniso["rms error"]  # ... and further from the reference
 assert tsl["rms error"] < aniso["rms error"] / 3
 
 # %%

@@ -156,7 +156,7 @@ for axes, clip, title in zip(panels, (point, truth), ("1 sample a pixel", "144 s
 _ = panels[0].set_ylabel("px")
 
 # %% [markdown]
-# *What to see:* on the left broad stripes that do not exist; the truth is nearly an even grey. The measure names
+# *What to see:* on the left broad stripes that do not exist; the reference is nearly an even grey. The measure names
 # their frequency, which is that of the alias:
 
 # %%
@@ -193,7 +193,7 @@ for name, made in pictures.items():
 
 figure, axes = plt.subplots(figsize=(8, 2.2), layout="constrained")
 axes.barh(list(rows), [row["scale.rmse"] for row in rows.values()], color="#4477aa")
-_ = axes.set_xlabel("scale.rmse: rms difference to the truth at each size, over the truth's rms")
+_ = axes.set_xlabel("scale.rmse: rms difference to the reference at each size, over the reference's rms")
 
 # %% [markdown]
 # *What to see:* point sampling is off by more than the picture itself; the mean's drift is what tells the third:

@@ -106,7 +106,7 @@ ratios = {
 assert abs(ratios["diffuse, light overhead"] - 1) < 1e-3
 assert ratios["specular, looking into the mirror"] > 2
 assert ratios["specular, 30° beside it"] < 0.1
-{name: f"{value:.3f} times the truth" for name, value in ratios.items()}
+{name: f"{value:.3f} times the reference" for name, value in ratios.items()}
 
 # %% [markdown]
 # **Holds, and so does its companion**, that diffuse light may be filtered before: it is linear in the normal and
@@ -140,7 +140,7 @@ assert scores["pixel-trilinear"]["rms error"] > point["rms error"]
 # %% [markdown]
 # ## The level-of-detail hack is calm and inaccurate
 #
-# **Holds.** It is the calmest of all that shade once a pixel, and the furthest from the truth.
+# **Holds.** It is the calmest of all that shade once a pixel, and the furthest from the reference.
 
 # %%
 hack = scores["lod-hack"]
@@ -209,7 +209,7 @@ for name in TECHNIQUES:
     curve = scale.curves[name]["scale"]
     panels[0].plot(np.log2(curve["scale"]), curve["rmse"], marker=".", label=name)
     panels[1].plot(np.log2(curve["scale"]), curve["mean_drift"], marker=".")
-panels[0].set(ylabel="rms error over the truth's rms", xlabel="size of the picture, octaves", ylim=(0, None))
+panels[0].set(ylabel="rms error over the reference's rms", xlabel="size of the picture, octaves", ylim=(0, None))
 panels[1].set(ylabel="change of the mean, %", xlabel="size of the picture, octaves")
 _ = figure.legend(loc="outside right upper")
 
@@ -241,8 +241,8 @@ assert shaded["tsl"] > 100 * shaded["pixel-aniso"]
 # %% [markdown]
 # ## What does not hold
 #
-# **That texture-space lighting is the way to the truth.** The reference, plain brute force with 64 samples a pixel,
-# shades *fewer* points than `tsl` in this clip, and its own error (`floor`) is smaller than that of `tsl`. 1024
+# **That texture-space lighting comes close to the ground truth.** The reference, plain brute force with 64 samples a
+# pixel, shades *fewer* points than `tsl` in this clip, and its own error (`floor`) is smaller than that of `tsl`. 1024
 # texels a segment pay off where many pixels share them, not in one small view; [Beyond the
 # deck](../beyond-the-deck.md) has what is left when only the texels that are needed are shaded.
 

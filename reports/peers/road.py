@@ -1,4 +1,4 @@
-"""What every contender draws, as plain arrays, and how far a picture of it is from the truth."""
+"""What every contender draws, as plain arrays, and how far a picture of it is from the reference."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -116,7 +116,7 @@ class ReferenceFrames:
 
     @property
     def floor(self) -> float:
-        """The truth's own error."""
+        """The reference's own error."""
         return float(np.sqrt(np.mean(np.square(self.error[self.whole][:, :3], dtype=np.float64))))
 
 

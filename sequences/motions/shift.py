@@ -12,7 +12,7 @@ Step = Annotated[Real, Field(ge=-1e4, le=1e4)]
 
 
 class Shift(Motion):
-    """The whole image moves alike: frame t samples the base image at (i + 1/2 - t vx, j + 1/2 - t vy)."""
+    """The whole image moves as one: frame t samples the base image at (i + 1/2 - t vx, j + 1/2 - t vy)."""
 
     kind: Literal["shift"] = Field("shift", description="the image slides by whole-image sub-pixel steps")
     velocity: tuple[Step, Step] = Field(
@@ -27,5 +27,5 @@ class Shift(Motion):
 
     @property
     def uniform_velocity(self) -> tuple[float, float]:
-        """The velocity: all of the picture moves alike."""
+        """The velocity: all of the picture moves as one."""
         return self.velocity

@@ -36,7 +36,6 @@ def baseline_command(
     count:
         Refuse unless every technique on every sequence comes in so many runs.
     """
-
     command = shlex.join(["swimlab", *sys.argv[1:]])
     try:
         baseline = update_baseline(gate, runs, count=count, provenance=provenance(command))

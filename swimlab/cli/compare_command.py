@@ -51,7 +51,6 @@ def compare_command(
     json_output:
         Print the comparison as JSON instead of a table.
     """
-
     pick = Pick.of(techniques, metrics)
     if not 0 < sigma < float("inf"):
         raise RunError(f"--sigma {sigma:g}: must be above 0")

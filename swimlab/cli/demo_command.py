@@ -38,7 +38,6 @@ def demo_command(
     quiet:
         Show no progress.
     """
-
     rendering = Rendering(frames=FRAMES, size=SIZE, threads=threads, force=force, quiet=quiet)
     code = study_command(SEQUENCE, techniques=TECHNIQUES, output=output, rendering=rendering)
     entries = json.loads((output / "scores.json").read_text(encoding="utf-8"))["sequences"]

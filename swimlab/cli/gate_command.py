@@ -79,7 +79,6 @@ def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, 
     runs:
         Measured run folders, folders of a study, or scores.json files.
     """
-
     reports = reports or Reports()
     try:
         outcome = run_gate(gate, runs, provenance=provenance(shlex.join(["swimlab", *sys.argv[1:]])))

@@ -25,7 +25,6 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     json_output:
         Print it as JSON, a run folder's run.json in full.
     """
-
     if json_output:
         content = _as_json(what)
         print(json.dumps(content, indent=1, allow_nan=False))
@@ -69,7 +68,6 @@ def print_frames(name: str) -> int:
 
     Returns 2 where frames are bad, else 0.
     """
-
     lines, bad = describe(name)
     for heading, value in [*lines, *(("bad frame", problem) for problem in bad)]:
         print(f"{heading:<11} {value}")

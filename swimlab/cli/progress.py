@@ -15,7 +15,6 @@ def progress(what: str, total: int, *, quiet: bool, verbose: bool = False) -> It
 
     verbose: a line a step in place of the bar, for logs.
     """
-
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

@@ -31,7 +31,6 @@ def report_command(
     quiet:
         Show no progress.
     """
-
     if not runs:
         raise RunError("report: name at least one run folder")
     folders = [path for run in runs for path in _in_order(run)]

@@ -26,7 +26,6 @@ def selftest_command(
     quiet:
         Show only the checks that are off.
     """
-
     done = list(checks())
     if json_output:
         print(json.dumps([{**asdict(check), "ok": check.good} for check in done], indent=1, allow_nan=False))

@@ -48,7 +48,6 @@ def study_command(
     json_output:
         Print the scores as JSON instead of a table.
     """
-
     rendering = rendering or Rendering()
     names = technique_names(None if techniques is None else f"{techniques},{REFERENCE}")
     plans = [rendering.plan(name, names) for name in sequences or ROAD]

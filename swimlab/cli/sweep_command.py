@@ -72,7 +72,6 @@ def sweep_command(
     quiet:
         Show no progress.
     """
-
     if scheduler is not None and engine != "dask":
         raise RunError(f"--scheduler {scheduler}: is for --engine dask; add that")
     check_threads(threads)

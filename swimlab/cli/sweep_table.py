@@ -34,7 +34,7 @@ def print_sweep(work: Work, scores: Sequence[dict[str, Any]], out: Path) -> None
         table.columns.append(Column(key, no_wrap=True))
     for heading in (*headings, "ms a frame"):
         table.add_column(heading, justify="right")
-    for _, group in groupby(rows, lambda row: row.truth):
+    for _, group in groupby(rows, lambda row: row.shared):
         alike = list(group)
         close = {heading: _close(alike, COLUMNS[heading][0]) for heading in headings}
         if any(close.values()):

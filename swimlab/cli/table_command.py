@@ -46,7 +46,6 @@ def table_command(
     quiet:
         Show no progress.
     """
-
     if csv + json_output + (parquet is not None) > 1:
         raise RunError("table: give one of --csv, --json and --parquet")
     runs, query = _split(words)

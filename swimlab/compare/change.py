@@ -28,8 +28,8 @@ FEWEST = 3
 class Change:
     """How a score changed. None stands for what there is not.
 
-    before, after: the score. sigmas: the change in standard errors; infinite where those are 0. by: what they are taken
-    from, "standard errors" or "spread of 5 runs". verdict: "changed" is a real change of a score of which neither
+    before, after: the score. sigmas: the change in standard errors; infinite where the errors are 0. by: what they are
+    taken from, "standard errors" or "spread of 5 runs". verdict: "changed" is a real change of a score of which neither
     direction is better; "unresolved" may be chance; "unknown" lacks a standard error. reason: why, where that is not
     plain. like: whether both were measured under the same settings, as far as they concern the technique.
     """
@@ -57,7 +57,7 @@ class Change:
         return self.absolute / abs(self.before) if self.absolute is not None and self.before else None
 
     def as_json(self) -> dict[str, Any]:
-        """Ready for JSON, which has no infinity: such sigmas are null."""
+        """Ready for JSON, which has no infinity: infinite sigmas are null."""
         metric = METRICS.get(self.metric)
         sigmas = self.sigmas if self.sigmas is not None and isfinite(self.sigmas) else None
         about = {"unit": metric.unit if metric else None, "better": direction(self.metric)}
@@ -79,7 +79,7 @@ def direction(metric: str) -> str:
 def change(before: Entry, after: Entry, metric: str, *, threshold: float = SIGMAS, like: bool = True) -> Change:
     """How a score changed between two measurements, in standard errors of the change (see `difference_error`).
 
-    These tell how far the change would move on another piece of such a surface.
+    They say how far the change would move on another piece of the same kind of surface.
     """
     values = number(before.scores, metric), number(after.scores, metric)
     errors = number(before.errors, metric), number(after.errors, metric)
@@ -101,9 +101,9 @@ def change(before: Entry, after: Entry, metric: str, *, threshold: float = SIGMA
 def change_in_history(earlier: Sequence[Entry], now: Entry, metric: str, *, threshold: float = SIGMAS) -> Change:
     """How a score changed since the last of the earlier measurements, of the same settings all.
 
-    With three or more of them their spread tells what chance does: how far the score lies from their mean, as Student's
-    t of n - 1 degrees of freedom, told as the standard errors that are as improbable. A change that goes against that
-    distance is unresolved. With fewer, as `change`.
+    With three or more of them their spread shows the effect of chance: how far the score lies from their mean, as
+    Student's t of n - 1 degrees of freedom, given as the number of standard errors that is as improbable. A change
+    that goes against that distance is unresolved. With fewer, as `change`.
     """
     found = change(earlier[-1], now, metric, threshold=threshold)
     past = [value for entry in earlier if (value := number(entry.scores, metric)) is not None]

@@ -1,4 +1,4 @@
-"""The commit that the working folder stands at, as git tells."""
+"""The commit that the working folder stands at, according to git."""
 
 import subprocess
 from dataclasses import dataclass

@@ -70,7 +70,7 @@ def read_history(folder: Path) -> list[Snapshot]:
 def look_back(
     entries: Sequence[Entry], history: Sequence[Snapshot], *, pick: Pick | None = None, threshold: float = SIGMAS
 ) -> Outlook:
-    """Hold scores against those of the same settings hash, domain and frames in a history."""
+    """Compare scores with earlier ones of the same settings hash, domain and frames in a history."""
     pick = pick or Pick()
     pick.check(entries)
     trends: list[Trend] = []
@@ -107,7 +107,7 @@ def save(folder: Path, runs: Sequence[Path], commit: Commit, *, provenance: dict
 
 
 def spark(values: Sequence[float], most: int = 16) -> str:
-    """The last values as bars of eight heights, ▁ for the least and █ for the greatest; ▄ where all are alike."""
+    """The last values as bars of eight heights, ▁ for the least and █ for the greatest; ▄ where all are equal."""
     shown = values[-most:]
     least, span = min(shown), max(shown) - min(shown)
     return "".join("▄" if span == 0 else "▁▂▃▄▅▆▇█"[min(7, int(8 * (value - least) / span))] for value in shown)
@@ -125,7 +125,7 @@ def _content(runs: Sequence[Path]) -> dict[str, Any]:
             raise RunError(f"{entry.sequence}: is there under several settings; save one run of it at a time")
         domains.add(entry.provenance.get("domain", "linear"))
     if len(domains) > 1:
-        raise RunError(f"the runs are of several domains ({', '.join(sorted(domains))}); save those of one at a time")
+        raise RunError(f"the runs are of several domains ({', '.join(sorted(domains))}); save one domain at a time")
     contents = [read_scores(run) for run in runs]
     entries = [_without_curves(entry) for content in contents for entry in content["sequences"]]
     return {

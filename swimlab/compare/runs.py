@@ -64,7 +64,7 @@ def compare_runs(
     """Compare the scores of measured run folders, folders of a study, or scores.json files with the first one's.
 
     Runs of other settings may be compared; what differs is said, and their changes are marked. Two that hold one
-    sequence each are paired whatever its name. Raises RunError where
+    sequence each are paired under any name. Raises RunError where
     fewer than two runs are named or they have nothing in common, RunError where scores cannot be read.
     """
     pick = pick or Pick()
@@ -92,10 +92,10 @@ def _against(run: Path, base: Sequence[Entry], entries: Sequence[Entry], pick: P
     known = {entry.key: entry for entry in base if pick.has(entry.technique)}
     measured = {entry.key: entry for entry in entries if pick.has(entry.technique)}
     if len(known) == len(measured) == 1:
-        # One clip each, as frames of one's own are: their files' names need not agree.
+        # One clip each, as your own frames are: their files' names need not agree.
         measured = dict(zip(known, measured.values(), strict=True))
     elif len(names := {key[0] for key in known}) == len({key[0] for key in measured}) == 1:
-        # One sequence each, as the run folders of a sweep: techniques are paired whatever it is called.
+        # One sequence each, as the run folders of a sweep: techniques are paired under any name of it.
         (name,) = names
         measured = {(name, key[1]): entry for key, entry in measured.items()}
     both = [key for key in known if key in measured]

@@ -1,4 +1,4 @@
-"""What can be told of frames without measuring them."""
+"""What is known of frames without measuring them."""
 
 from collections import Counter
 

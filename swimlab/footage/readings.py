@@ -15,7 +15,7 @@ def other_conventions(
 ) -> dict[str, tuple[Convention, str]]:
     """Name -> another convention and the options that choose it; none that means the same comes twice.
 
-    channels: those that are read. size: width and height of the picture, px.
+    channels: the channels that are read. size: width and height of the picture, px.
     """
     found: dict[str, tuple[Convention, str]] = {}
     known = {_meaning(now, size)}
@@ -41,7 +41,7 @@ def other_velocities(
 
 
 def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
-    """Other signs, directions, units and lengths, those first that change least."""
+    """Other signs, directions, units and lengths; the smallest changes first."""
     units: list[Unit] = sorted(get_args(Unit), key=lambda unit: unit != now.unit)
     directions: list[Direction] = sorted(get_args(Direction), key=lambda direction: direction != now.direction)
     for unit in units:
@@ -91,7 +91,7 @@ def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> s
 
 
 def _same(convention: Convention, preset: Convention) -> bool:
-    """Whether the two mean the same, whatever the size of the picture."""
+    """Whether the two mean the same for every size of the picture."""
     return all(_meaning(convention, size) == _meaning(preset, size) for size in ((3, 5), (5, 7)))
 
 

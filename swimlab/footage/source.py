@@ -50,7 +50,7 @@ class Source:
     """Frames by index as linear radiance."""
 
     def __init__(self, reader: Reader, look: Look) -> None:
-        """Frames without alpha are wholly opaque. Raises FrameError where channels or crop are not to be had."""
+        """Frames without alpha are wholly opaque. Raises FrameError where channels or crop are not available."""
         self.reader = reader
         self.part, self.channels = find_colour(reader.header, look.channels, reader.name)
         part = reader.header.parts[self.part]

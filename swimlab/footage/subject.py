@@ -56,7 +56,7 @@ class Subject:
     """The opened inputs of a request: which frames are measured, and how they move."""
 
     def __init__(self, request: Request, say: Callable[[str], None], warn: Callable[[str], None]) -> None:
-        """say, warn: told what a reader should know for the scores, and what may make them wrong.
+        """say, warn: called with what a reader of the scores should know, and with what may make them wrong.
 
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """

@@ -28,7 +28,8 @@ LOW = 0.3
 """Residual up to which motion is verified: it explains nine tenths of the energy."""
 POOR = 0.5
 """Residual from which on motion does not explain the frames, unless they are noise: noise makes this residual where its
-rms is 0.58 of the picture's own. A reading that leaves more refuses no other: smooth noise may look alike by chance."""
+rms is 0.58 of the picture's own. A reading that leaves more refuses no other: smooth noise may look the same by
+chance."""
 FLOW = 0.3
 """Optical flow explains frames that the motion does not where it leaves less than this share. It fits noise to noise
 too: of white noise it leaves 0.9, of smooth noise 0.4 to 0.7."""
@@ -38,11 +39,11 @@ TRAVEL = 1.5
 APART = 16
 """... but no more frames apart than this."""
 LEAST = 0.2
-"""Less travel than this cannot be told from none, px."""
+"""Less travel than this cannot be distinguished from none, px."""
 
 _PAIRS = 3
 _ALIKE = 0.01
-"""Residuals nearer to each other than this are alike."""
+"""Residuals nearer to each other than this count as equal."""
 _PACED = 2_000
 """Points that say how fast a reading is."""
 _MOVING = 0.75
@@ -130,7 +131,7 @@ def _find_error(rivals: dict[str, Rival], settings: dict[str, str], pace: _Pace,
     """What to say where another reading or none fits clearly better, or the given one is beyond belief; else empty."""
     winners = [name for name, rival in rivals.items() if rival.ratio < CLEAR and rival.residual <= POOR]
     least = min((rivals[name].residual for name in winners), default=0.0)
-    # Of readings that fit alike, as directions do where the motion is steady, the one that changes least.
+    # Of readings that fit equally well, as directions do where the motion is steady, the one that changes least.
     best = next(
         (name for name in [*settings, IDENTITY] if name in winners and rivals[name].residual < least + _ALIKE), ""
     )

@@ -23,7 +23,7 @@ _HIDDEN = 0.1
 _SEEN = 0.05
 """Share of the points that must stay in the frame under the given motion."""
 _SHARED = 0.5
-"""... and under another: few points may be alike by chance."""
+"""... and under another: few points may agree by chance."""
 
 
 @dataclass(frozen=True)

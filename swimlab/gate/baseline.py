@@ -90,7 +90,7 @@ def read_baseline(gate: Gate) -> Baseline | None:
         content = json.loads(path.read_text(encoding="utf-8"))
         if content.get("version") != VERSION:
             raise GateError(
-                f"{path}: has version {content.get('version')!r}, this swimlab reads {VERSION}; make it anew"
+                f"{path}: has version {content.get('version')!r}, this swimlab reads {VERSION}; make it again"
             )
         hashed = content.get("settings_by_hash", {})
         entries = dict(_known(each, hashed.get(each["hash"], {})) for each in content["entries"])
@@ -103,7 +103,7 @@ def read_baseline(gate: Gate) -> Baseline | None:
         if isinstance(error, GateError):
             raise
         raise GateError(
-            f"{path}: is not a baseline ({error!r}); make it anew: swimlab baseline update {gate.path} RUN"
+            f"{path}: is not a baseline ({error!r}); make it again: swimlab baseline update {gate.path} RUN"
         ) from error
 
 

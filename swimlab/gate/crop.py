@@ -35,7 +35,7 @@ def write_crop(path: Path, test: Path, reference: Path, region: Region) -> None:
     """Write a region as PNG, enlarged pixel by pixel: picture, reference, and their difference.
 
     Pictures are sRGB at exposure 1. The difference is grey where there is none; a channel is 255 where the picture
-    is brighter by ERROR_RANGE of linear radiance and 1 where it is darker by as much, whatever the frame.
+    is brighter by ERROR_RANGE of linear radiance and 1 where it is darker by as much, in any frame.
     """
     x, y, width, height = region
     cut, exact = (read_frame(each)[y : y + height, x : x + width, :3] for each in (test, reference))

@@ -18,7 +18,9 @@ def summary(outcome: Outcome) -> str:
         cells += [number(check.value), check.limit or "-", *of_base(check)]
         lines.append("| " + " | ".join(map(_cell, cells)) + " |")
     said = [f"- {_cell(line)}" for line in remarks(outcome.checks)]
-    paste = ["", "To switch off what cannot be had:", "```toml", outcome.paste, "```"] if outcome.paste else []
+    paste = (
+        ["", "To switch off scores that are not available:", "```toml", outcome.paste, "```"] if outcome.paste else []
+    )
     return "\n".join([*lines, "", *said, *paste, ""]) + "\n"
 
 

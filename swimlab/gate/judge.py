@@ -55,7 +55,7 @@ def judge(gate: Gate, entries: Sequence[Entry], baseline: Baseline | None) -> li
     """Check every score that a rule of the gate speaks of, in the order of sequence, technique and metric.
 
     A score beyond its limit has the status "fail" or "warn", after the rule's level; one that cannot be judged
-    is "unjudged" whatever the level: missing from the run or the baseline, not a number, of other settings. Of
+    is "unjudged" at any level: missing from the run or the baseline, not a number, of other settings. Of
     other settings, it is held to its ceiling and floor all the same, and `reason` says so where it is beyond.
     """
     measured = {entry.key: entry for entry in entries}
@@ -76,7 +76,7 @@ def exit_code(checks: Iterable[Check]) -> int:
 def governed(gate: Gate, entries: Iterable[Entry], baseline: Baseline | None) -> list[tuple[Cell, int]]:
     """Every score that the rules speak of, with the number of the rule that counts, from 0.
 
-    A metric with wildcards leaves out scores that are mere information, and those that cannot be had unless the
+    A metric with wildcards leaves out scores that are only information, and scores that are not available unless the
     baseline has them. Where a pattern matches nothing, the pattern itself stands for what is missing.
     """
     names: dict[Key, set[str]] = {}
@@ -121,7 +121,7 @@ def _check(cell: Cell, number: int, gate: Gate, entry: Entry | None, known: Know
     unlike = difference(entry, known.settings, known.hashed) if known is not None else ""
     if unlike:
         held = _against(check, value, list(_limits(rule, None, better)), rule, None)
-        beyond = f"; whatever the baseline, {held.reason}" if held.reason else ""
+        beyond = f"; independent of the baseline, {held.reason}" if held.reason else ""
         told = f"is not comparable with the baseline: {unlike}; {MENDED}{beyond}"
         return replace(held, status="unjudged", reason=told)
     if base is not None:

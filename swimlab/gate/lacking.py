@@ -11,7 +11,7 @@ from swimlab.runs.entries import Entry
 
 
 def may_lack(metric: str, entry: Entry) -> bool:
-    """Whether a metric is a score that there is, or a pattern of such: no slip of the pen."""
+    """Whether a metric names an existing score or a pattern that matches one, so that it is no typing error."""
     return any(fnmatchcase(name, metric) for name in (*METRICS, *entry.scores, *entry.absent))
 
 

@@ -35,7 +35,9 @@ def print_table(outcome: Outcome, console: Console | None = None) -> None:
     for line in remarks(outcome.checks):
         console.print(Text(line), soft_wrap=True)
     if outcome.paste:
-        console.print(Text(f"\nto switch off what cannot be had, add at the end of {outcome.gate}:"), soft_wrap=True)
+        console.print(
+            Text(f"\nto switch off scores that are not available, add at the end of {outcome.gate}:"), soft_wrap=True
+        )
         console.print(Text(outcome.paste + "\n"), soft_wrap=True)
     console.print(Text(outcome.verdict), soft_wrap=True)
 

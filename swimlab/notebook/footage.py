@@ -1,4 +1,4 @@
-"""Frames of one's own, measured from Python."""
+"""Your own frames, measured from Python."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -69,10 +69,10 @@ def measure_frames(
     luminance: float | None = None,
     peers: Sequence[str] = (),
 ) -> Measured:
-    """Measure anyone's frames; the options are those of `swimlab measure --test`.
+    """Measure anyone's frames; the options are the same as of `swimlab measure --test`.
 
     reference: what they should look like, frame by frame. motion: (dx, dy) px a frame right and down, files of motion
-    vectors, "estimate", or None where nothing moves. convention: what such vectors mean: own, blender, unity, nuke,
+    vectors, "estimate", or None where nothing moves. convention: what the vectors mean: own, blender, unity, nuke,
     ndc, uv, or a Convention. fps: None: the file's own, else 60. frames: range as "1-48". crop: x, y, width, height,
     px. unverified: measure though the motion does not fit the frames.
     The notes say where the motion cannot be verified. Raises FrameError naming the file, frame or setting that is

@@ -1,4 +1,4 @@
-"""Pictures that a notebook shows: labelled panels side by side, as PNG with a text for those who cannot see them."""
+"""Pictures that a notebook shows: labelled panels side by side, as PNG with a text for readers who cannot see them."""
 
 import base64
 from collections.abc import Sequence

@@ -14,11 +14,11 @@ class Scores(Mapping[str, Row]):
     """Technique -> heading -> value, as the table shows it: `scores["tsl"]["flicker"]`.
 
     Radiance is rms, the root of the score of that name in scores.json; `to_dict` has the scores themselves. A score
-    that could not be had is not there, and `absent` says why.
+    that is not available is not there, and `absent` says why.
     """
 
     def __init__(self, entries: Sequence[Mapping[str, Any]]) -> None:
-        """entries: those of scores.json, of one sequence."""
+        """entries: the entries of scores.json of one sequence."""
         self._entries = {str(entry["technique"]): entry for entry in entries}
         self._shown = {h: c for h, c in COLUMNS.items() if any(c[0] in entry["scores"] for entry in entries)}
         self._unresolved = {heading: unresolved(entries, name) for heading, (name, _) in self._shown.items()}
@@ -43,7 +43,7 @@ class Scores(Mapping[str, Row]):
 
     @property
     def absent(self) -> dict[str, dict[str, str]]:
-        """Technique -> score -> why it could not be had."""
+        """Technique -> score -> why it is not available."""
         return {name: dict(entry["absent"]) for name, entry in self._entries.items()}
 
     def to_dict(self) -> dict[str, dict[str, float]]:

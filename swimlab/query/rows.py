@@ -141,7 +141,7 @@ def _run(name: str, record: Record, entries: Sequence[Entry]) -> Row:
 
 
 def _file(name: str, entry: Entry) -> Row:
-    """What a file of scores tells of a run."""
+    """What a file of scores says about a run."""
     settings = entry.provenance.get("settings", {})
     return (
         name,

@@ -199,7 +199,7 @@ def _share(value: float, limits: tuple[float, float], scale: str) -> float:
 
 
 def group(name: str) -> str:
-    """The start of a group of elements that belong to a technique, or whatever else is called so in the key."""
+    """The start of a group of elements that belong to a technique, or to another name in the key."""
     return f'<g data-name="{escape(name)}">'
 
 

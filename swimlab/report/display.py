@@ -1,7 +1,7 @@
 """Linear radiance to 8-bit pictures: sRGB to look at, signed codes on a fixed scale for errors.
 
 Both as lossless WebP: on sharp 640x360 frames it was 30% smaller than PNG. An error in 63 steps is a third
-smaller than in 255. OpenImageIO encodes: it can be told the effort. Least effort (0) is 10 times as fast as the usual
+smaller than in 255. OpenImageIO encodes, since its effort can be set. Least effort (0) is 10 times as fast as the usual
 one (4) on pictures and 5% larger; codes are 70% larger with 0 and 2% with 1.
 """
 

@@ -16,7 +16,7 @@ SPIKE = 1.5
 """A change is a spike from so many times its median on."""
 
 SCALE_CURVES = {
-    "rmse": ("Scale error", "relative rms error", "Against the reference of the same size; 0 is the truth."),
+    "rmse": ("Scale error", "relative rms error", "Against the reference of the same size; 0 is equal to it."),
     "self_rmse": ("Self error", "relative rms error", "Against its own full-size picture, filtered to this size."),
     "mean_drift": (
         "Drift of the mean",

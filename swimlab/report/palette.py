@@ -1,4 +1,4 @@
-"""One colour per technique, the same in every table, legend and chart, told apart with any colour vision.
+"""One colour per technique, the same in every table, legend and chart, distinguished with any colour vision.
 
 Colours of techniques: Paul Tol's "bright" scheme (Tol, Colour Schemes, SRON/EPS/TN/09-002, 2021), with dashes, and
 other marks, when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.

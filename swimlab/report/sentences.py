@@ -9,16 +9,16 @@ from swimlab.report.weighing import AS_GOOD, Tested, as_good_for_its_time, calm_
 from swimlab.runs.entries import flat
 
 TOLD = 2
-"""Techniques that look calm but are wrong whose numbers are told; the others are named."""
+"""How many techniques that look calm but are wrong are given with numbers; the others are only named."""
 
 SLIGHTLY = 1.1
-"""A ratio of errors below which no number is told for it."""
+"""A ratio of errors below which no number is given."""
 
 
 def lead(best: Tested, nearest: Tested, yardstick: Tested | None, *, resolved: bool, clips: int) -> str:
     """The best and the nearest, both against the yardstick if there is one.
 
-    resolved: whether the nearest is told from the best by more than chance. clips: how many were measured.
+    resolved: whether the closest differs from the best by more than chance. clips: how many were measured.
     """
     told = (
         f"{best.name} is the best for its time: rms error {number(best.error)} in {number(best.time or 0.0)} ms a frame"
@@ -26,7 +26,7 @@ def lead(best: Tested, nearest: Tested, yardstick: Tested | None, *, resolved: b
     if yardstick is not None and best is not yardstick:
         told += f", {_against(best, yardstick)}"
     if best is nearest:
-        return f"{told}. Nothing here measured nearer to the truth."
+        return f"{told}. Nothing here measured closer to the reference."
     if not resolved:
         ratio = best.error / nearest.error if nearest.error else math.inf
         times = "slightly" if ratio < SLIGHTLY else f"{ratio:.2g} times" if math.isfinite(ratio) else "infinitely"
@@ -65,7 +65,7 @@ def facts_of(one: Tested, yardstick: Tested | None) -> list[tuple[str, str]]:
 
 
 def about(one: Tested, close: Sequence[Tested]) -> list[str]:
-    """From which others its error is not told, by whether they took more or less time."""
+    """Techniques from which its error is not resolved, by whether they took more or less time."""
     slower = [t for t in close if t.time and one.time and t.time >= one.time]
     faster = [t for t in close if t.time and one.time and t.time < one.time]
     unknown = [t for t in close if t not in slower and t not in faster]

@@ -1,6 +1,6 @@
 """The verdict: which technique to ship and what it costs, over all sequences of a page together.
 
-A rule that can be said in a sentence picks from errors and times; whatever the numbers do not resolve is said so.
+A rule of one sentence picks by error and time. Differences that the numbers do not resolve are named.
 """
 
 import math
@@ -34,9 +34,9 @@ from swimlab.report.weighing import (
 from swimlab.runs.record import REFERENCE
 
 YARDSTICK = "pixel-aniso"
-"""What engines do: other techniques' times and errors are told as multiples of its."""
+"""What engines do. The times and errors of other techniques are given as multiples of its own."""
 
-NEAREST, BEST, FASTEST = "Nearest to the truth", "Best for its time", "Fastest"
+NEAREST, BEST, FASTEST = "Closest to the reference", "Best for its time", "Fastest"
 RULE = (
     "Nearest has the least rms error, fastest the least time a frame, and best for its time the "
     "least product of both, so that half the error is worth twice the time, among what does not sparkle: most of its "
@@ -115,7 +115,7 @@ def _weighed(tested: Sequence[Tested], by_sequence: Entries) -> Verdict:
     near = Pick(NEAREST, nearest.name, facts_of(nearest, yardstick), _sparkle(nearest, nearest) + about(nearest, close))
     if best is None or len(timed) < 2:
         told = Verdict(
-            f"{nearest.name} is nearest to the truth: rms error {number(nearest.error)}. What it costs cannot be "
+            f"{nearest.name} is closest to the reference: rms error {number(nearest.error)}. What it costs cannot be "
             "said: no times of a frame are known.",
             [near],
         )

@@ -12,7 +12,7 @@ Entries = Mapping[str, Mapping[str, Entry]]
 """Sequence -> technique -> entry of scores.json."""
 
 SCORE = "budget.mse"
-"""The squared error that techniques are told apart by."""
+"""The squared error by which techniques are compared."""
 
 WRONG = 2.0
 """A technique is wrong if its error is at least so many times that of the pick."""
@@ -60,7 +60,8 @@ def nearest_of(tested: Sequence[Tested]) -> Tested:
 
 
 def best_for_its_time(tested: Sequence[Tested]) -> Tested | None:
-    """The least product of error and time, among those that do not sparkle if there are any; None without times."""
+    """The technique with the least product of error and time; techniques that sparkle only if all do. None without
+    times."""
     return min(_eligible(tested), key=lambda one: (_product(one), one.error), default=None)
 
 
@@ -84,7 +85,7 @@ def sparkles(one: Tested, nearest: Tested) -> bool:
 
 
 def unresolved_from(one: Tested, others: Sequence[Tested], by_sequence: Entries) -> list[Tested]:
-    """Which others an error is not told from, of those that err less than WRONG times as much."""
+    """Techniques whose errors are not resolved from this one, of those below WRONG times its error."""
     rivals = [other for other in others if other is not one and other.error < WRONG * one.error]
     return [other for other in rivals if not _told_apart(one.name, other.name, by_sequence)]
 

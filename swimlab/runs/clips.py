@@ -54,7 +54,7 @@ def shared_coverage(covered: Image, alpha: Image) -> Image:
 
 
 def _uniform_motion(record: Record, frames: list[int]) -> tuple[float, float] | None:
-    """The clip's motion, px a frame of the clip, where the whole picture moves alike.
+    """The clip's motion, px a frame of the clip, where the whole picture moves as one.
 
     Raises RunError where it does not and frames are left out: the motion fields join each frame to the one before it.
     """

@@ -54,4 +54,8 @@ def marked(heading: str) -> str:
 def roots(headings: list[str]) -> str:
     """Which scores the roots among some columns are of, in a sentence; empty if there are none."""
     shown = [f"{heading} of {COLUMNS[heading][0]}" for heading in headings if COLUMNS[heading][1] is sqrt]
-    return f"Roots of scores: {', '.join(shown)}; a gate's limits are those scores, squared radiance." if shown else ""
+    return (
+        f"Roots of scores: {', '.join(shown)}; a gate's limits are for the scores themselves, in squared radiance."
+        if shown
+        else ""
+    )

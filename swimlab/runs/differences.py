@@ -16,7 +16,8 @@ SHOWN_ELSEWHERE = ("viewing.", "display.")
 
 @dataclass(frozen=True)
 class Difference:
-    """Something that differs, in plain values. kind: "settings", or "versions" or "names", by which runs stay alike."""
+    """Something that differs, in plain values. kind: "settings", or "versions" or "names", which leave runs
+    comparable."""
 
     key: str
     before: Any
@@ -42,7 +43,7 @@ def concerns(key: str, technique: str) -> bool:
 def differences(before: Entry, after: Entry) -> list[Difference]:
     """What differs between two measurements of a sequence, settings first.
 
-    Where the settings hashes differ and nothing tells in what, the hash itself stands for it.
+    Where the settings hashes differ for an unknown reason, the hash itself is listed.
     """
     found = [
         Difference(what, one, other)

@@ -32,7 +32,7 @@ class Settings:
     def difference(self, other: "Settings") -> str:
         """The first thing in which the two differ, in words; empty where they agree. Unknown hashes never agree."""
         if self.hash is None:
-            return "the scores carry no settings hash, so nothing tells whether they are comparable"
+            return "the scores carry no settings hash, so they cannot be checked for being comparable"
         for what, mine, theirs in (
             ("settings hash", self.hash, other.hash),
             ("domain", self.domain, other.domain),

@@ -17,12 +17,12 @@ GEOMETRY = "geometry"
 ERROR = "error"
 """Folders of a run beside the techniques': the geometry, and the reference's standard error in channels R, G, B, A.
 
-That has the digits of the pictures: halves, where those are.
+The error has the precision of the pictures: halves where the pictures are halves.
 """
 
 
 class RunError(ValueError):
-    """A run that cannot be had as asked; the message says why and how to mend it."""
+    """A run that cannot be used as asked; the message says why and how to mend it."""
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Record:
     sequence: the sequence file's content with every default and every technique's settings filled in.
     times: per technique, the medians of the ms that a frame took to render and of the samples, texels or vertices that
         were shaded for it, and over how many frames.
-    code: per technique from a folder of one's own, a hash of its file.
+    code: for each technique from a folder of your own, the hash of its file.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
     """
 

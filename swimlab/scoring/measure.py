@@ -1,4 +1,4 @@
-"""Measuring a run folder: its files as clips, their scores, and those as files."""
+"""Measuring a run folder: its files become clips, clips get scores, scores become files."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -37,7 +37,7 @@ def measure_run(
     peers: metrics of other projects to add, by name (see `scoring.peer`). viewing: what replaces pixels_per_degree and
     luminance of the sequence's [viewing]. `advance` is called with a technique's
     name after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
-    damaged, ClipError where one cannot be measured, and PeerError for a peer that cannot be had.
+    damaged, ClipError where one cannot be measured, and PeerError for a peer that is not available.
     """
     record = Record.read(run)
     tests = [name for name in record.techniques if name != REFERENCE]

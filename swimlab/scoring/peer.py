@@ -14,7 +14,7 @@ Codes = NDArray[np.float32]
 
 
 class PeerError(ValueError):
-    """A metric that cannot be had; the message says why and how to mend it."""
+    """A metric that is not available; the message says why and how to mend it."""
 
 
 @dataclass(frozen=True)

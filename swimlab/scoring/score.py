@@ -21,7 +21,7 @@ def score_clip(
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
 ) -> Measurement:
-    """All scores of a clip: those of `metrics`, of the named peers, and the quantisation floor.
+    """All scores of a clip: by `metrics`, by the named peers, and the quantisation floor.
 
     rounding: mean squared rounding errors of some frames, radiance^2, as `metrics.quantisation` takes them. The rest as
     `metrics.measure` takes it. Raises ClipError naming the frame that is bad, and PeerError.
@@ -44,7 +44,7 @@ def entry_of(
     domain: Domain,
     display: Display,
 ) -> dict[str, Any]:
-    """What scores.json holds of a clip. numbers: those of its frames, as files have them."""
+    """What scores.json holds of a clip. numbers: of its frames, as in the names of their files."""
     frames = [{**row, "frame": numbers[row["frame"]]} for row in found.frames]
     shown: dict[str, Any] = {"display": asdict(display)} if domain == "display" else {}
     return {"sequence": sequence, "technique": technique, **vars(found), "frames": frames, **shown}

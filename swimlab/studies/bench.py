@@ -44,7 +44,7 @@ def time_measures(
 
     The noise is cut from one larger picture, so that making a frame costs a copy. `memory` is what `measure` may take;
     `advance` is called with the names timed. The first timing is of the tiles' windows and Fourier transforms, without
-    which no measure is to be had.
+    which there is no measure.
     """
     rng = np.random.default_rng(0)
     pool = rng.random((height + frames, width + frames, 3), np.float32)

@@ -39,7 +39,7 @@ def checks() -> Iterator[Check]:
 
 
 def _five_errors() -> Iterator[Check]:
-    """Errors of one size, which frame-by-frame measures cannot tell apart.
+    """Errors of one size, which frame-by-frame measures cannot distinguish.
 
     Waves of different kinds meet under one window, so shares stray by some thousandths; a glued one has none.
     """

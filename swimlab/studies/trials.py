@@ -25,7 +25,7 @@ from swimlab.runs.record import REFERENCE, RunError
 
 @dataclass(frozen=True)
 class Variant:
-    """A technique under some settings, those that are not its defaults; `label` names it in tables."""
+    """A technique and its settings that differ from the defaults; `label` names it in tables."""
 
     label: str
     technique: str
@@ -48,7 +48,7 @@ class Trial:
     shaded: float
 
     def rms(self, part: str = "mse", band: str | None = None) -> float | None:
-        """Root of a part of the error budget, in a band of distance or on the whole; None where it cannot be had."""
+        """Root of a part of the error budget, in a band of distance or on the whole; None where it is not available."""
         value = self.measurement.scores.get(_score(part, band))
         return None if value is None else sqrt(max(value, 0.0))
 
@@ -59,7 +59,7 @@ class Trial:
 
 
 class Stage:
-    """Frames of a sequence with their truth, on which variants are tried.
+    """Frames of a sequence with their reference, on which variants are tried.
 
     samples: the reference's samples a pixel, a square number from 4. material: in place of the sequence's maps. The
     reference's pictures and the geometry are made when first asked for and held, 48 bytes a pixel and frame. Raises
@@ -92,7 +92,7 @@ class Stage:
 
     @cached_property
     def reference(self) -> list[Picture]:
-        """The truth of every frame, with its own standard error."""
+        """The reference of every frame, with its own standard error."""
         return self.pictures(Variant(REFERENCE, REFERENCE, self.sequence.techniques.get(REFERENCE, {})))
 
     @cached_property

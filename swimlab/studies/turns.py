@@ -1,4 +1,4 @@
-"""Times of tasks that take turns, so that what else the machine does disturbs all alike."""
+"""Times of tasks that take turns, so that what else the machine does disturbs all of them equally."""
 
 import random
 import time

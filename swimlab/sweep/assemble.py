@@ -18,8 +18,8 @@ from swimlab.sweep.render import read_rows
 def assemble(plan: Plan, chunks: Chunks, out: Path, *, command: str) -> tuple[Path, Record] | None:
     """Make OUT/runs/NAME of the techniques whose chunks are all done; None where geometry or reference are not.
 
-    Frames are hard links to those of the chunks, or copies where the file system has no links. A folder that is whole
-    by its run.json is left as it is. Raises RunError naming a damaged chunk.
+    Frames are hard links to the frames of the chunks, or copies where the file system has no links. A folder that is
+    whole by its run.json is left as it is. Raises RunError naming a damaged chunk.
     """
     done = {name: parts for name, parts in chunks.items() if all(part.path(out).exists() for part in parts)}
     if GEOMETRY not in done or REFERENCE not in done:
@@ -67,7 +67,7 @@ def _place_all(parts: Iterable[Chunk], folders: Iterable[str], out: Path, run: P
                 source = frame_path(part.path(out), folder, frame)
                 if not source.is_file():
                     raise RunError(
-                        f"{source}: is missing; delete {part.path(out)}, and the same command renders it anew"
+                        f"{source}: is missing; delete {part.path(out)}, and the same command renders it again"
                     )
                 _place(source, frame_path(run, folder, frame))
 

@@ -25,7 +25,7 @@ class Chunk:
 
     sequence: content of a sequence file; folder: where its map files are. technique: by name, or `geometry`.
     digest: 16 hexadecimal digits over all that decides the pixels; equal work has equal digits. code: hash of the
-    technique's file where that is one's own.
+    technique's file where that is your own.
     """
 
     digest: str

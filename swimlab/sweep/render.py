@@ -31,7 +31,7 @@ def render_chunk(chunk: Chunk, out: Path, threads: int | None) -> None:
     """Render a chunk's frames into its folder beneath `out`, with chunk.json beside them; nothing where it is there.
 
     Safe to be called for the same chunk in several processes and machines at once. Raises RunError where this is not
-    the version of swimlab, or the code of a technique of one's own, that made the chunk, and whatever rendering raises.
+    the version of swimlab, or the code of a technique of your own, that made the chunk, and all that rendering raises.
     """
     if chunk.version != SWIMLAB:
         raise RunError(f"this machine has swimlab {SWIMLAB} and the sweep was made by {chunk.version}; install that")
@@ -60,7 +60,7 @@ def read_rows(chunk: Chunk, out: Path) -> list[dict[str, Any]]:
         rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))["rows"]
     except (OSError, ValueError, KeyError) as error:
         raise RunError(
-            f"{path}: is missing or damaged ({error}); delete {path.parent}, and the same command renders it anew"
+            f"{path}: is missing or damaged ({error}); delete {path.parent}, and the same command renders it again"
         ) from error
     return rows
 

@@ -16,12 +16,13 @@ ERRORS = ("budget.mse", "scale.rmse")
 
 
 class Row(NamedTuple):
-    """A distinct result. truth: what the reference depends on, sequence first. varied: what the technique depends on.
+    """A distinct result. shared: settings that the reference depends on, sequence first. varied: settings of the
+    technique.
 
     entry: that of scores.json. ms: of a frame, where known.
     """
 
-    truth: str
+    shared: str
     source: str
     varied: dict[str, Any]
     entry: dict[str, Any]
@@ -37,15 +38,15 @@ def rows_of(work: Work, scores: Sequence[dict[str, Any]], out: Path) -> list[Row
     found: dict[tuple[str, str, str], Row] = {}
     for (source, values), plan in zip(points(work.sweep), work.plans, strict=True):
         name = plan.sequence.name
-        truth = json.dumps([source, _concerning(values, REFERENCE)], default=str)
+        shared = json.dumps([source, _concerning(values, REFERENCE)], default=str)
         times = Record.read(out / "runs" / name).times if name in measured else {}
         for entry in measured.get(name, []):
             technique = entry["technique"]
             varied = _concerning(values, technique) | _concerning(values, REFERENCE)
-            row = Row(truth, source, varied, entry, times.get(technique, {}).get("ms_per_frame"))
-            found.setdefault((truth, technique, json.dumps(varied, default=str)), row)
-    order = {truth: place for place, truth in enumerate(dict.fromkeys(row.truth for row in found.values()))}
-    return sorted(found.values(), key=lambda row: (order[row.truth], _error(row)))
+            row = Row(shared, source, varied, entry, times.get(technique, {}).get("ms_per_frame"))
+            found.setdefault((shared, technique, json.dumps(varied, default=str)), row)
+    order = {shared: place for place, shared in enumerate(dict.fromkeys(row.shared for row in found.values()))}
+    return sorted(found.values(), key=lambda row: (order[row.shared], _error(row)))
 
 
 def _concerning(values: dict[str, Any], technique: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Running a sweep: chunks, run folders, scores. Whatever is there is kept, whatever failed is tried again."""
+"""Running a sweep: chunks, run folders, scores. Finished parts are kept, failed parts are tried again."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -23,7 +23,7 @@ Show = Callable[[str, int], AbstractContextManager[Callable[[str], None]]]
 
 @dataclass(frozen=True)
 class Work:
-    """A sweep in pieces. plans: its configurations. chunks: those of each plan."""
+    """A sweep in pieces. plans: its configurations. chunks: the chunks of each plan."""
 
     sweep: Sweep
     plans: list[Plan]
@@ -31,7 +31,7 @@ class Work:
 
     @staticmethod
     def of(sweep: Sweep) -> "Work":
-        """Cut a sweep up. Raises SweepError for whatever is wrong with it."""
+        """Cut a sweep up. Raises SweepError naming every mistake in it."""
         plans = configurations(sweep)
         return Work(sweep, plans, [cut(plan, sweep.chunk) for plan in plans])
 
@@ -56,7 +56,7 @@ class Outcome:
 def render_chunks(
     chunks: Sequence[Chunk], out: Path, engine: Engine, *, threads: int | None, show: Show
 ) -> dict[Path, str]:
-    """Render those chunks that are not there; the failures by file."""
+    """Render the missing chunks; the failures by file."""
     missing = [chunk for chunk in chunks if not chunk.path(out).exists()]
     tasks = [Task(chunk.digest, chunk.label, render_chunk, (chunk, out, threads)) for chunk in missing]
     return _perform(tasks, out, engine, what="rendering chunks", show=show)

@@ -34,10 +34,10 @@ def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: 
 
 
 def measure_missing(run: Path, files: dict[str, Path], domain: Domain, chunks: Iterable[Path]) -> None:
-    """Write the entries of scores.json of techniques of a run into their files, those that are not there.
+    """Write the missing files of a run's techniques, each with the technique's entry of scores.json.
 
-    They are measured together, as aligning the frames costs more than any of them. chunks: folders of those that the
-    run is made of; damaged ones are removed, so that the same command renders them anew. Raises as `measure_run`.
+    They are measured together, as aligning the frames costs more than any of them. chunks: folders of the chunks that
+    the run is made of; damaged ones are removed, so that the same command renders them again. Raises as `measure_run`.
     """
     missing = [name for name, path in files.items() if not path.exists()]
     try:
@@ -58,5 +58,5 @@ def read_entry(path: Path, sequence: str) -> dict[str, Any]:
     try:
         entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
-        raise RunError(f"{path}: is damaged ({error}); delete it, and the same command measures anew") from error
+        raise RunError(f"{path}: is damaged ({error}); delete it, and the same command measures it again") from error
     return entry | {"sequence": sequence}

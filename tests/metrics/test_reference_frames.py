@@ -1,4 +1,4 @@
-"""A reference that several tests share, held or made anew."""
+"""A reference that several tests share, held or made again."""
 
 import numpy as np
 import pytest

@@ -137,7 +137,7 @@ def section(rows: Sequence[Row]) -> Section:
             f"random ({SIDE * SIDE:,} of them, Gaussian) and filtered by each chain down to one texel. *Variance* is "
             "how far the width that it adds is off the variance of the slopes that were drawn; *peak* is how far its "
             "highlight's brightest point is off the mean of the highlights of all normals, shaded one by one. 0 is the "
-            f"truth. The variances are off by at most: {said}.",
+            f"reference. The variances are off by at most: {said}.",
             *charts,
             table,
         ],

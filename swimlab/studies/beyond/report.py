@@ -28,7 +28,8 @@ DISPLAYED = ("pixel-point", "pixel-aniso", "vmf", "tsl")
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is rendered: pixels, frames of the comparison of techniques, the truth's samples, rounds of timing."""
+    """How much is rendered: pixels, frames of the comparison of techniques, the reference's samples, rounds of
+    timing."""
 
     size: tuple[int, int] = (640, 360)
     frames: int = 16
@@ -64,11 +65,11 @@ def write_report(
     opening = (
         "The deck *Implementation of Reflectance Models for Games* ends on two open questions: how to make non-linear "
         "mip chains, and what texture-space lighting costs. Here they are answered by rendering a road under every "
-        "technique and measuring each against a supersampled truth.\n\n"
+        "technique and measuring each against a supersampled reference.\n\n"
         f"Made by `{command or 'swimlab bench ' + NAME}` on {about['date']}: {about['machine']}, swimlab "
         f"{about['swimlab']}, Warp {about['warp']}, NumPy {about['numpy']}, Python {about['python']}. Pictures are "
-        f"{effort.size[0]}x{effort.size[1]} and the truth has {effort.samples} samples a pixel, unless a section says "
-        f"otherwise; the comparison of techniques has {effort.frames} frames, other clips have {effort.short}. "
+        f"{effort.size[0]}x{effort.size[1]} and the reference has {effort.samples} samples a pixel, unless a section "
+        f"says otherwise; the comparison of techniques has {effort.frames} frames, other clips have {effort.short}. "
         "Times are medians of frames rendered in turns, on the CPU: their ratios count."
     )
     write_page(folder / f"{NAME}.md", "Beyond the deck", opening, sections)
@@ -142,7 +143,7 @@ def _display_verdict(rows: list[Row]) -> str:
     def change(way: str, base: str) -> str:
         ratios = [flicker[way, name] / flicker[base, name] for name in DISPLAYED if flicker[base, name] > 0]
         if not ratios:
-            return "cannot be told: there is no flicker"
+            return "is not known: there is no flicker"
         return f"multiplies flicker by {min(ratios):.2g} to {max(ratios):.2g}"
 
     return f"Against plain sRGB, bloom {change('bloom', 'sRGB')}; the square root {change('sqrt', 'sRGB')}."

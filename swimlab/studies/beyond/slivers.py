@@ -40,7 +40,7 @@ def section(trials: Sequence[Trial]) -> Section:
         [
             "A triangle thinner than a pixel covers a sample now and then: it twinkles. The deck: do not draw them, "
             "which trades flicker for a pattern that is missing from the picture. `road-sliver` has wires of 1 cm over "
-            f"the road; leaving out those under a pixel {_changed(by_label, 'flicker', 'flicker')}, "
+            f"the road; leaving out triangles under a pixel {_changed(by_label, 'flicker', 'flicker')}, "
             f"{_changed(by_label, 'detail', 'lost detail')} and {_changed(by_label, 'mse', 'the whole error')}.",
             Table("slivers", ["how", "shaded a frame", "error", "bias", "detail", "flicker", "visible flicker"], rows),
         ],

@@ -19,7 +19,7 @@ BASE = "pixel-aniso"
 
 ALLOWANCES = (0.5, 1.25, 2.0, 4.0, 8.0, 16.0, 32.0)
 SHIPPED = 2.0
-"""Times that a frame may take, in those of `BASE`."""
+"""Times that a frame may take, as multiples of the time of `BASE`."""
 
 THRIFTY = (
     Variant("tsl, needed texels", "tsl", {"texels": "needed", "inputs": "vmf"}),
@@ -65,7 +65,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Rows of all techniques but the reference, that one's own row and rms error, and a contact sheet."""
+    """Rows of all techniques but the reference, the row and rms error of the reference, and a contact sheet."""
 
     rows: Sequence[Row]
     reference: Row
@@ -75,9 +75,9 @@ class Comparison:
 
 def compare(stage: Stage, *, rounds: int) -> Comparison:
     """Measure and time every technique and the thrifty forms of texture-space lighting."""
-    truth = Variant(REFERENCE, REFERENCE)
+    reference = Variant(REFERENCE, REFERENCE)
     variants = [Variant(name, name) for name in techniques() if name != REFERENCE] + list(THRIFTY)
-    times = stage.time([*variants, truth], rounds)
+    times = stage.time([*variants, reference], rounds)
     shown: dict[str, list[Image]] = {}
     rows = []
     for variant in variants:
@@ -87,7 +87,7 @@ def compare(stage: Stage, *, rounds: int) -> Comparison:
     ranked = sorted(rows, key=lambda row: row.error, reverse=True)
     sheet = {f"{row.label}\n{row.error:.3f}": shown[row.label] for row in ranked}
     sheet[REFERENCE] = [picture.rgba for picture in stage.reference[:SHOWN_FRAMES]]
-    exact = Row(stage.measure(truth, pictures=stage.reference, names=["budget"]), times[REFERENCE])
+    exact = Row(stage.measure(reference, pictures=stage.reference, names=["budget"]), times[REFERENCE])
     return Comparison(rows, exact, rows[0].trial.rms("floor"), contact_sheet(sheet, stage.geometry[0].depth))
 
 
@@ -97,7 +97,7 @@ def front(rows: Sequence[Row]) -> list[Row]:
     return [row for place, row in enumerate(ordered) if all(row.error < other.error for other in ordered[:place])]
 
 
-def alike(row: Row, rows: Sequence[Row], score: str = "budget.mse") -> list[str]:
+def unresolved_from(row: Row, rows: Sequence[Row], score: str = "budget.mse") -> list[str]:
     """Other rows that a score does not tell from this one by more than chance and the reference's error."""
     mine = vars(row.trial.measurement)
     return [
@@ -120,8 +120,8 @@ def sections(found: Comparison, *, about: str) -> list[Section]:
     worst = Section(
         "Where each technique fails",
         [
-            "By distance from the eye: the band in which a technique is furthest from the truth, how many times the "
-            "least error of any technique there, and which part of the error is the largest. Near is "
+            "By distance from the eye: the band in which a technique is furthest from the reference, how many times "
+            "the least error of any technique there, and which part of the error is the largest. Near is "
             f"{', mid '.join(describe(band) for band in BANDS[:2])}, far {describe(BANDS[2])}.",
             Table(
                 "failures",
@@ -135,9 +135,9 @@ def sections(found: Comparison, *, about: str) -> list[Section]:
         [
             Figure(
                 "techniques.png",
-                "Two details in two consecutive frames, from the technique furthest from the truth (rms error beside "
-                "its name) to the closest, and the truth last. What differs from one frame to the next within a row is "
-                "motion of the picture where the truth has it too, and flicker where it does not.",
+                "Two details in two consecutive frames, from the technique furthest from the reference (rms error "
+                "beside its name) to the closest, and the reference last. What differs from one frame to the next "
+                "within a row is motion of the picture where the reference has it too, and flicker where it does not.",
                 found.sheet,
             )
         ],
@@ -148,14 +148,14 @@ def sections(found: Comparison, *, about: str) -> list[Section]:
 def _answers(rows: Sequence[Row]) -> list[str]:
     closest = min(rows, key=lambda row: row.error)
     lines = [
-        f"**Closest to the truth: {_named(closest)}**, rms error {closest.error:.3g}, {closest.ms:.3g} ms and "
-        f"{closest.trial.shaded:,.0f} shaded samples a frame.{_not_told(alike(closest, rows))}"
+        f"**Closest to the reference: {_named(closest)}**, rms error {closest.error:.3g}, {closest.ms:.3g} ms and "
+        f"{closest.trial.shaded:,.0f} shaded samples a frame.{_unresolved(unresolved_from(closest, rows))}"
     ]
     calmest = _calmest(rows, inf)
     if calmest is not None:
         lines.append(
             f"**Calmest: {_named(calmest)}**, rms flicker {calmest.flicker:.3g}, error {calmest.error:.3g}."
-            + _not_told(alike(calmest, rows, "budget.flicker"))
+            + _unresolved(unresolved_from(calmest, rows, "budget.flicker"))
         )
     fastest = min(rows, key=lambda row: row.ms)
     lines.append(f"**Fastest: {_named(fastest)}**, {fastest.ms:.3g} ms, error {fastest.error:.3g}.")
@@ -168,8 +168,9 @@ def _answers(rows: Sequence[Row]) -> list[str]:
         lines.append(
             f"**To ship** within {SHIPPED:g} times the time of {_named(base)} ({base.ms:.3g} ms, error "
             f"{base.error:.3g}): {_named(chosen)}, {chosen.ms / base.ms:.2f} times the time for "
-            f"{chosen.error / base.error:.2f} of the error.{_not_told(alike(chosen, _within(rows, limit)))} The table "
-            "has the choice for other allowances."
+            f"{chosen.error / base.error:.2f} of the "
+            f"error.{_unresolved(unresolved_from(chosen, _within(rows, limit)))} The table has the choice for other "
+            "allowances."
         )
     return lines
 
@@ -207,9 +208,9 @@ def _table(found: Comparison, about: str) -> Section:
             "flicker²: *bias* is a neighbourhood's mean that is off, *detail* a lost or false pattern that sticks to "
             "the road, *flicker* what changes in time while the road does not. *±* is the error's standard error. "
             "*Visible flicker* weighs flicker by what the eye sees, in thresholds; *Moiré excess* is energy that the "
-            "truth does not have, over the truth's. *Shaded* counts evaluations of the reflectance model: samples, "
-            "texels and vertices alike. The last row is the truth itself with its own error, below which no difference "
-            "counts. To see: which part of the error a technique trades for which.",
+            "reference does not have, over the reference's. *Shaded* counts evaluations of the reflectance model: "
+            "samples, texels and vertices together. The last row is the reference itself with its own error, below "
+            "which no difference counts. To see: which part of the error a technique trades for which.",
             Table("techniques", [*headings, "visible flicker", "Moiré excess"], cells),
         ],
     )
@@ -248,5 +249,7 @@ def _named(row: Row) -> str:
     return f"`{row.label}`"
 
 
-def _not_told(labels: Sequence[str]) -> str:
-    return f" Not told apart from it by these frames: {', '.join(f'`{label}`' for label in labels)}." if labels else ""
+def _unresolved(labels: Sequence[str]) -> str:
+    return (
+        f" Not distinguished from it by these frames: {', '.join(f'`{label}`' for label in labels)}." if labels else ""
+    )

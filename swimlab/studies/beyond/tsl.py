@@ -73,7 +73,8 @@ def sizes_study(stage: Stage) -> dict[str, Trial]:
 
 
 def cost_study(stage: Stage, *, rounds: int, known: Mapping[str, Trial] | None = None) -> Costs:
-    """Full targets, smaller ones, and those chosen by footprints; `known` are trials on this stage that there are."""
+    """Full targets, smaller targets, and targets chosen by footprints. known: trials that this stage has made
+    already."""
     variants = [FULL, *FIXED, *CHOSEN]
     times = stage.time(variants, rounds)
     ms = {label: float(np.median(values)) for label, values in times.items()}
@@ -96,8 +97,8 @@ def sheet(stage: Stage) -> Figure:
     shown["reference"] = [picture.rgba for picture in stage.reference[:SHOWN_FRAMES]]
     return Figure(
         "tsl.png",
-        "Texture-space lighting under several settings, two details in consecutive frames, full targets and the truth "
-        "last. Near the eye a small target is magnified; far from it, what its inputs lost on the way shows.",
+        "Texture-space lighting under several settings, two details in consecutive frames, full targets and the "
+        "reference last. Near the eye a small target is magnified; far from it, what its inputs lost on the way shows.",
         contact_sheet(shown, stage.geometry[0].depth),
     )
 
@@ -112,9 +113,9 @@ def section(
     near, mid, far = (describe(band) for band in BANDS)
     parts: list[str | Table | Figure] = [
         "Texture-space lighting shades a target of 1024x1024 texels for each 8 m of road in sight and filters the "
-        "light. That is near to the truth and shades far more texels than there are pixels. What of it can be saved? "
-        "Three ways: smaller targets for all, with inputs filtered as they are (`box`) or as moments that keep the "
-        "roughness; shading only texels under some pixel's footprint; and shading these at the level the footprint "
+        "light. That is close to the reference and shades far more texels than there are pixels. What of it can be "
+        "saved? Three ways: smaller targets for all, with inputs filtered as they are (`box`) or as moments that keep "
+        "the roughness; shading only texels under some pixel's footprint; and shading these at the level the footprint "
         "needs. All ratios are of rms errors to full targets'.",
         "### Smaller targets for all",
         f"To see: the split by distance (near is {near}, mid {mid}, far {far}). Where a pixel holds many texels, "

@@ -1,4 +1,4 @@
-"""Where shading at vertices is nearer to the truth than shading at pixels: over sizes of the picture."""
+"""Where shading at vertices is closer to the reference than shading at pixels: over sizes of the picture."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ def vertex_study(stage: Stage) -> dict[str, Curve]:
 
 
 def crossover(curves: Mapping[str, Curve]) -> tuple[int, int] | None:
-    """The largest size from which on down vertices are the nearer to the truth; None if there is no such size."""
+    """The largest size from which on down vertices are the closer to the reference; None if there is none."""
     found = None
     pairs = zip(curves[VERTEX].sizes, curves[VERTEX].error, curves[PIXEL].error, strict=True)
     for size, vertex, pixel in reversed(list(pairs)):
@@ -49,9 +49,9 @@ def section(curves: Mapping[str, Curve]) -> Section:
     """What the study shows."""
     size = crossover(curves)
     verdict = (
-        f"`{VERTEX}` is nearer to the truth than `{PIXEL}` from {size[0]}x{size[1]} on down"
+        f"`{VERTEX}` is closer to the reference than `{PIXEL}` from {size[0]}x{size[1]} on down"
         if size
-        else f"`{VERTEX}` is nowhere nearer to the truth than `{PIXEL}` down to the smallest size"
+        else f"`{VERTEX}` is nowhere closer to the reference than `{PIXEL}` down to the smallest size"
     )
     ink = inks(list(curves))
     lines = [
@@ -67,7 +67,7 @@ def section(curves: Mapping[str, Curve]) -> Section:
         [
             "Shading at vertices is the lowest frequency of evaluation, *but not at low resolution* (the deck): a "
             "small picture has fewer pixels than the road has vertices. The same view (`road-scale`) is rendered at "
-            f"{len(rows)} sizes; the error is rms over the truth's rms at that size. **{verdict}.** It shades "
+            f"{len(rows)} sizes; the error is rms over the reference's rms at that size. **{verdict}.** It shades "
             f"{curves[VERTEX].shaded:,.0f} vertices at every size.",
             chart(
                 "vertex.svg",

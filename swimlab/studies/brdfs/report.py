@@ -132,17 +132,17 @@ def _road_section(rows: list[Row]) -> Section:
     return Section(
         "On the road",
         [
-            f"`road-shift` at {SIZE[0]}x{SIZE[1]}, {FRAMES} frames, truth of {SAMPLES} samples a pixel, TSL targets of "
-            "512: rms of error and of its flicker, as fractions of the mean radiance of the truth, over wholly covered "
-            "pixels; *truth* is the truth's own error, below which no difference counts. Ks is Blinn-Phong's factor, "
-            "for Ashikhmin-Shirley and Cook-Torrance the reflectance at normal incidence; where it has no unit it is "
-            "scaled until the highlight is as bright as Blinn-Phong's (*Ks times*). Anisotropic models have a map of "
-            "twist. The moment chain is the one with the least error of toksvig, vmf, clean and, for Blinn-Phong, "
-            "lean. To read: compare techniques along a row; the larger the gap between pixel-aniso and TSL, the less a "
-            "model commutes with filtering, and what the moment chain wins of that gap is what its widened power can "
-            "stand for. Chains reckon that a tilt of the normal turns it as much against the half vector. Where light "
-            "and eye graze, as here, a sideways tilt moves what Banks and Lafortune mirror by only N.L + N.V of it: "
-            "their chains widen too much, and may win calm at the price of error.",
+            f"`road-shift` at {SIZE[0]}x{SIZE[1]}, {FRAMES} frames, reference of {SAMPLES} samples a pixel, TSL "
+            "targets of 512: rms of error and of its flicker, as fractions of the mean radiance of the reference, over "
+            "wholly covered pixels; *reference* is the reference's own error, below which no difference counts. Ks is "
+            "Blinn-Phong's factor, for Ashikhmin-Shirley and Cook-Torrance the reflectance at normal incidence; where "
+            "it has no unit it is scaled until the highlight is as bright as Blinn-Phong's (*Ks times*). Anisotropic "
+            "models have a map of twist. The moment chain is the one with the least error of toksvig, vmf, clean and, "
+            "for Blinn-Phong, lean. To read: compare techniques along a row; the larger the gap between pixel-aniso "
+            "and TSL, the less a model commutes with filtering, and what the moment chain wins of that gap is what its "
+            "widened power can stand for. Chains reckon that a tilt of the normal turns it as much against the half "
+            "vector. Where light and eye graze, as here, a sideways tilt moves what Banks and Lafortune mirror by only "
+            "N.L + N.V of it: their chains widen too much, and may win calm at the price of error.",
             Table(
                 "road-shift",
                 [
@@ -156,7 +156,7 @@ def _road_section(rows: list[Row]) -> Section:
                     "moment chain",
                     "its error",
                     "its flicker",
-                    "truth",
+                    "reference",
                 ],
                 cells,
             ),

@@ -46,8 +46,8 @@ def section(report: Report) -> Section:
                 ["ours", "against", "clock", "quartiles", "cores"],
                 [[row[0], row[1], *row[3:6]] for row in map(_target, report["ratios"])],
             ),
-            f"All that was timed. The error is against our truth, whose own is {report['truth_error']:.2g}: every "
-            "renderer's picture is scored alike.",
+            f"All that was timed. The error is against our reference, whose own is {report['truth_error']:.2g}: every "
+            "renderer's picture is scored in the same way.",
             Table(
                 "peers",
                 ["", "ms", "quartiles", "ms of all cores", "rms error", "million samples a second"],

@@ -21,7 +21,7 @@ SEQUENCE = "road-shift"
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is rendered: pixels, frames, samples of the truth, rounds of timing, and of timing growth."""
+    """How much is rendered: pixels, frames, samples of the reference, rounds of timing, and of timing growth."""
 
     size: tuple[int, int] = (640, 360)
     frames: int = 8
@@ -77,12 +77,12 @@ def write_report(
     opening = (
         "A number of milliseconds says nothing without its error, nor an error without its milliseconds. Here every "
         "technique is rendered at several settings on one machine, timed in turns in one run, and measured against "
-        "one supersampled truth.\n\n"
+        "one supersampled reference.\n\n"
         f"Made by `{command or 'swimlab bench speed-error'}` on {about['date']}: {_processor()}{about['machine']}, "
         f"{used} threads, swimlab {about['swimlab']}, Warp {about['warp']}, NumPy {about['numpy']}, Python "
-        f"{about['python']}. The truth has {effort.samples} samples a pixel. Times are of one frame by kernels that "
-        f"are compiled and maps that are in memory, medians and quartiles of {effort.rounds} rounds in which every "
-        f"setting takes its turn; files are not written. While they were timed they had {got:.0%} of what "
+        f"{about['python']}. The reference has {effort.samples} samples a pixel. Times are of one frame by kernels "
+        f"that are compiled and maps that are in memory, medians and quartiles of {effort.rounds} rounds in which "
+        f"every setting takes its turn; files are not written. While they were timed they had {got:.0%} of what "
         f"{used} cores can give: the less, the more did other programs disturb the times by the clock."
     )
     write_page(folder / f"{NAME}.md", "Speed against error", opening, sections)
@@ -90,7 +90,7 @@ def write_report(
 
 
 def _processor() -> str:
-    """The processor's name and ", ", where the system tells it."""
+    """The processor's name and ", ", where the system names it."""
     path = Path("/proc/cpuinfo")
     lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
     return next((f"{line.split(':', 1)[1].strip()}, " for line in lines if line.startswith("model name")), "")

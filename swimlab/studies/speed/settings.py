@@ -1,4 +1,4 @@
-"""Speed against error: every technique at several settings, timed in turns and measured against one truth."""
+"""Speed against error: every technique at several settings, timed in turns and measured against one reference."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ SEVERAL = (
 """What is tried at several settings; all other techniques are tried at their defaults."""
 
 MOST_SAMPLES = max(each.samples for each in SEVERAL)
-"""What the truth's samples must be more than."""
+"""What the reference's samples must be more than."""
 
 CHAINS = ("toksvig", "vmf", "clean", "lean")
 COLOURS = {
@@ -67,7 +67,7 @@ JOINED = ("pixel-aniso", "supersample", "tsl", "tsl vmf", REFERENCE)
 
 
 def candidates() -> list[Candidate]:
-    """All that are tried: those at several settings, and every other technique."""
+    """All that are tried: techniques at several settings, and every other technique once."""
     done = {each.variant.technique for each in SEVERAL}
     single = [name for name in techniques() if name not in done]
     return [
@@ -119,7 +119,7 @@ PARTS: dict[str, Callable[[Row], float | None]] = {
 
 @dataclass(frozen=True)
 class Found:
-    """All rows, the truth's samples a pixel and own rms error, and pixels that the road covers, a frame."""
+    """All rows, the reference's samples a pixel and own rms error, and pixels that the road covers, a frame."""
 
     rows: Sequence[Row]
     samples: int
@@ -137,7 +137,7 @@ def speed_study(
     rounds: int,
     advance: Callable[[str], None] = lambda _: None,
 ) -> Found:
-    """Time all candidates in turns and measure them against a truth of `samples` a pixel.
+    """Time all candidates in turns and measure them against a reference of `samples` a pixel.
 
     `advance` is called when that is rendered, when all are timed, and for each candidate that is measured.
     """
@@ -149,7 +149,7 @@ def speed_study(
     stage = stages[0]
     covered = float(np.mean([geometry.coverage.sum() for geometry in stage.geometry]))
     _ = stage.reference
-    advance("truth")
+    advance("reference")
     times = in_turns({c.variant.label: frame_task(stages[c.samples], c.variant) for c in tried}, rounds)
     advance("times")
     rows = []
@@ -179,22 +179,22 @@ def sections(found: Found, *, about: str) -> list[Section]:
         budget = [row.error, row.trial.standard_error(), *parts, row.visible]
         marks = ", ".join(name for name, on in held.items() if on[place])
         cells.append([f"`{row.label}`", *cost, round(row.trial.shaded), *budget, marks])
-    truth: list[Cell] = [f"the truth, {found.samples} samples", *[None] * 5, found.floor, *[None] * 5, ""]
+    reference: list[Cell] = [f"the reference, {found.samples} samples", *[None] * 5, found.floor, *[None] * 5, ""]
     columns = ["technique and setting", "ms of all cores", "ns a covered pixel", "ms a frame", "quartiles"]
     columns += ["shaded a frame", "error", "±", "bias", "detail", "flicker", "visible flicker", "on the front of"]
     table = Section(
         "All settings",
         [
-            f"{about} Fastest first. *Ms of all cores* is what a frame costs, whatever else the machine does, and what "
-            "fronts and charts count; *ms a frame* is what one waits for it, by the clock. Error is rms of linear "
-            "radiance over wholly covered pixels, ± its standard error; error² = bias² + detail² + flicker²: *bias* is "
-            "a neighbourhood's mean that is off, *detail* a lost or false pattern that sticks to the road, *flicker* "
-            "what changes in time while the road does not. *Visible flicker* weighs that by what the eye sees, in "
-            "thresholds. *Shaded* counts evaluations of the reflectance model: samples, texels and vertices alike. On "
-            "the *front* of something is what nothing as cheap has less of. Neighbours on a front that "
-            "differ by less than ± may change places. The last row is the truth's own error, below which no difference "
-            "counts.",
-            Table("speed against error", columns, [*cells, truth]),
+            f"{about} Fastest first. *Ms of all cores* is what a frame costs, undisturbed by other work of the "
+            "machine, and what fronts and charts count; *ms a frame* is what one waits for it, by the clock. Error is "
+            "rms of linear radiance over wholly covered pixels, ± its standard error; error² = bias² + detail² + "
+            "flicker²: *bias* is a neighbourhood's mean that is off, *detail* a lost or false pattern that sticks to "
+            "the road, *flicker* what changes in time while the road does not. *Visible flicker* weighs that by what "
+            "the eye sees, in thresholds. *Shaded* counts evaluations of the reflectance model: samples, texels and "
+            "vertices together. On the *front* of something is what nothing as cheap has less of. Neighbours on a "
+            "front that differ by less than ± may change places. The last row is the reference's own error, below "
+            "which no difference counts.",
+            Table("speed against error", columns, [*cells, reference]),
         ],
     )
     return [Section("The answer", [_answer(rows, held), _chart(found)]), table]
@@ -235,5 +235,5 @@ def _chart(found: Found) -> Figure:
         panel("Flicker against time", lambda row: row.flicker, "rms flicker", None),
     ]
     caption = "Each technique and setting; lower left is better. Filled dots, joined by steps, are the Pareto front: "
-    caption += "nothing is as cheap and better. Dotted: the truth's own error."
+    caption += "nothing is as cheap and better. Dotted: the reference's own error."
     return panels("error.svg", caption, drawn, columns=1, key=list(COLOURS.items()), size=PANEL)

@@ -184,7 +184,7 @@ class Step(NamedTuple):
 
 
 def tiny_steps(launcher: Launcher, maps: Maps) -> dict[int, Step]:
-    """By frames. Places are told by what they see of the road, whose motion is known."""
+    """By frames. Places are found from what they see of the road, whose motion is known."""
     sequence = base(motion={"kind": "shift", "velocity": [1 / 1024, 1 / 1024]})
     frames = Frames(launcher, maps)
     first = frames.picture(sequence, 0, "pixel-aniso")

@@ -25,7 +25,7 @@ class Limit(NamedTuple):
 
 
 def limits(launcher: Launcher, maps: Maps) -> list[Limit]:
-    """The limits left; those of moments are counted over all levels of the chains of some maps."""
+    """The remaining limits. Limits of moments are counted over all levels of the chains of some maps."""
     return [*_of_moments(launcher, maps), *_of_highlights(), *_of_sampling()]
 
 

@@ -152,7 +152,8 @@ def cancelled(launcher: Launcher) -> dict[float, Error]:
 
 
 class Degenerate(NamedTuple):
-    """A case whose formula is 0/0 or 0^0: what it is by its limit, and what both forms give (None: no such form)."""
+    """A case whose formula is 0/0 or 0^0: what it is by its limit, and what both forms give (None: the form does not
+    exist)."""
 
     name: str
     expected: float

@@ -22,7 +22,7 @@ class Flicker(NamedTuple):
 
 
 def bright_flicker() -> dict[float, Flicker]:
-    """By brightness; the same frames less their brightness, measured in double, are the truth."""
+    """By brightness; the same frames less their brightness, measured in double, are the reference."""
     noise = np.random.default_rng(0).normal(0, 1, (FRAMES, SIDE, SIDE, 3))
     found = {}
     for level in BRIGHTNESS:

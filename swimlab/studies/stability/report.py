@@ -213,7 +213,7 @@ def _drives(bench: Bench) -> Section:
     text = (
         "Frames after whole segments against the same at the start: they should not differ. Fractions of the brightest "
         "pixel and, for flicker, of the rms. Positions are relative to the eye, origins in double precision, texture "
-        "coordinates begin anew with every segment; the last column is what coordinates along the road in single "
+        "coordinates begin again with every segment; the last column is what coordinates along the road in single "
         "precision would be off by, texels of a map of 1024. To read: 10,000 km (1e7 m) change a pixel by millionths, "
         "where naive coordinates are off by whole texels."
     )
@@ -226,8 +226,8 @@ def _tiny_steps(bench: Bench) -> Section:
         for n, each in frames.tiny_steps(bench.launcher, bench.maps).items()
     ]
     text = (
-        "The picture slides by 1/1024 px a frame. Error of the sample places, told by what they see of the road; and "
-        "whether after whole pixels it is the first picture, moved, to the bit."
+        "The picture slides by 1/1024 px a frame. Error of the sample places, found from what they see of the road; "
+        "and whether after whole pixels it is the first picture, moved, to the bit."
     )
     return Section("Steps of 1/1024 px", [text, Table("steps", ["frame", "place off by, px", "same bits"], rows)])
 

@@ -342,7 +342,7 @@ def test_only_covered_pixels_are_compared(tolerance):
 
 
 def test_estimated_motion_is_near_the_truth_but_not_at_it(shoot, render, tolerance):
-    """On a rendered road: DIS flow errs by hundredths of a pixel where the truth is known exactly."""
+    """On a rendered road: DIS flow errs by hundredths of a pixel where the reference is known exactly."""
     sequence = load("road-shift").with_changes(size=(160, 90))
     pictures = [render(shoot(sequence, frame, samples=16), "reference").rgba for frame in range(2)]
     covered = pictures[1][..., 3] == 1

@@ -94,7 +94,7 @@ def test_frames_of_ones_own_have_no_picture(swimlab, run, tmp_path):
     write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
     code, out, _ = swimlab("gate", "gate.toml", "own.json")
     assert code == 1
-    assert "worst in frame 1 (no picture of it: frames of one's own are not in a run folder);" in out
+    assert "worst in frame 1 (no picture of it: your own frames are not in a run folder);" in out
 
 
 def test_scores_older_than_their_run_are_refused(swimlab, run, tmp_path):

@@ -1,4 +1,4 @@
-"""What notebooks call: studies, tables, pictures, frames of one's own, and techniques in folders of one's own."""
+"""What notebooks call: studies, tables, pictures, frames of your own, and techniques in folders of your own."""
 
 import re
 import subprocess

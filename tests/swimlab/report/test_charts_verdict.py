@@ -91,7 +91,9 @@ def test_no_lead_contradicts_a_card() -> None:
     told = verdict(two, {"road-shift": {"vmf": 4.5, "tsl": 100.0}})
     assert picked(told)[BEST] == "vmf"
     assert told.lead.endswith("tsl measured 1.9 times nearer on this clip; other content may differ.")
-    assert verdict(entries(vmf=0.01), {"road-shift": TIMES}).lead.endswith("Nothing here measured nearer to the truth.")
+    assert verdict(entries(vmf=0.01), {"road-shift": TIMES}).lead.endswith(
+        "Nothing here measured closer to the reference."
+    )
 
 
 def test_what_is_as_good_and_as_fast_may_be_taken_as_well() -> None:

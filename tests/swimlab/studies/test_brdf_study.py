@@ -71,7 +71,7 @@ def test_the_report_has_every_table(small, swimlab, tmp_path, monkeypatch, toler
     assert list(rows) == [form.label for form in forms]
     for row in rows.values():
         assert row["tsl: error"] >= row["tsl: flicker"] > 0
-        assert 0 < row["truth"] < row["pixel-aniso: error"]
+        assert 0 < row["reference"] < row["pixel-aniso: error"]
     # Ks of Banks is scaled until its highlights are as bright as Blinn-Phong's.
     assert rows["banks"]["Ks times"] > 1 == rows["cook-torrance"]["Ks times"]
     assert rows["banks"]["mean"] == pytest.approx(rows["blinn-phong"]["mean"], rel=tolerance("equal highlights"))

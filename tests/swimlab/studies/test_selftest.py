@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-import swimlab.studies.selftest
 from swimlab.cli.selftest_command import selftest_command
 from swimlab.studies.selftest import Check
 
@@ -21,7 +20,7 @@ def test_everything_is_as_expected(capsys):
 @pytest.mark.parametrize(("value", "expected"), [(0.2, 0.1), (None, 0.1), (0.1, None)])
 def test_one_that_is_off_is_shown_and_exits_1(value, expected, monkeypatch, capsys):
     wrong = [Check("a clip", "a score", 0.1, 0.1, 0.0), Check("a clip", "another", value, expected, 0.01)]
-    monkeypatch.setattr(swimlab.studies.selftest, "checks", lambda: iter(wrong))
+    monkeypatch.setattr("swimlab.cli.selftest_command.checks", lambda: iter(wrong))
     assert selftest_command() == 1
     shown = capsys.readouterr().out
     assert "OFF" in shown

@@ -237,7 +237,7 @@ def test_the_report_holds_every_setting(swimlab, monkeypatch, tmp_path):
     assert {each.variant.technique for each in tried} == set(techniques())
     listed = [cells["technique and setting"].strip("`") for cells in found["tables"]["speed against error"]]
     assert sorted(listed[:-1]) == sorted(each.variant.label for each in tried)
-    assert listed[-1] == "the truth, 100 samples"
+    assert listed[-1] == "the reference, 100 samples"
     assert {cells["grows with"] for cells in found["tables"]["growth"]} >= set(growth.TITLES.values()) - {"threads"}
     page = (tmp_path / "out" / "speed-against-error.md").read_text()
     assert found["provenance"]["command"] in page

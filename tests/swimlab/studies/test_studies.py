@@ -54,11 +54,11 @@ def test_the_front_is_what_nothing_is_both_faster_and_closer_than():
 
 def test_the_answer_follows_from_the_numbers():
     said, table = comparison.answer(ROWS, also=["and more"]).parts
-    assert "Closest to the truth: `dear`" in said
+    assert "Closest to the reference: `dear`" in said
     assert "Calmest: `moments`" in said
     assert "Fastest: `cheap`" in said
     assert "`moments`, 1.50 times the time for 0.50 of the error" in said
-    assert "Not told apart" not in said
+    assert "Not distinguished" not in said
     assert said.endswith("- and more")
     assert [cells[:2] for cells in table.rows] == [
         ["0.5", "`cheap`"],
@@ -69,17 +69,17 @@ def test_the_answer_follows_from_the_numbers():
     ]
     quick = [*ROWS, row("quick", 9.0, 0.05, flicker=0.01)]
     said = comparison.answer(quick).parts[0]
-    for words in ("Closest to the truth: `quick`", "Calmest: `quick`", "`quick`, 0.90 times the time for 0.12 of"):
+    for words in ("Closest to the reference: `quick`", "Calmest: `quick`", "`quick`, 0.90 times the time for 0.12 of"):
         assert words in said
 
 
-def test_what_chance_or_the_truth_itself_explains_is_not_told_apart():
+def test_what_chance_or_the_error_of_the_reference_explains_is_not_resolved():
     certain = [row("a", 1.0, 0.2), row("b", 1.0, 0.21), row("c", 1.0, 0.5)]
-    assert comparison.alike(certain[0], certain) == []
+    assert comparison.unresolved_from(certain[0], certain) == []
     vague = [row("a", 1.0, 0.2, spread=0.003), row("b", 1.0, 0.21, spread=0.003), row("c", 1.0, 0.5, spread=0.003)]
-    assert comparison.alike(vague[0], vague) == ["b"]
+    assert comparison.unresolved_from(vague[0], vague) == ["b"]
     noisy = [row("a", 1.0, 0.2, floor=0.1), row("b", 1.0, 0.21, floor=0.1), row("c", 1.0, 0.5, floor=0.1)]
-    assert comparison.alike(noisy[0], noisy) == ["b"]
+    assert comparison.unresolved_from(noisy[0], noisy) == ["b"]
 
 
 def test_where_a_technique_fails_is_its_worst_band():
@@ -131,8 +131,8 @@ def curves(vertices, pixels):
     [
         ([0.1, 0.3, 0.4], (32, 16), "from 32x16 on down"),
         ([0.3, 0.1, 0.4], (16, 8), "from 16x8 on down"),
-        ([0.3, 0.3, 0.1], None, "is nowhere nearer"),
-        ([0.3, 0.3, None], None, "is nowhere nearer"),
+        ([0.3, 0.3, 0.1], None, "is nowhere closer"),
+        ([0.3, 0.3, None], None, "is nowhere closer"),
     ],
 )
 def test_the_crossover_is_the_size_from_which_vertices_win(pixels, size, words):
