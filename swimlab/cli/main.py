@@ -59,6 +59,10 @@ def main() -> None:
             file=sys.stderr,
         )
         sys.exit(130)
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # rich ends with 1 then, which says that a gate failed
+            sys.exit(2)
+        raise
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(2)

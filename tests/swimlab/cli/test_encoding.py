@@ -44,3 +44,11 @@ def test_a_file_gets_the_whole_table(tmp_path: Path) -> None:
     with (tmp_path / "list.txt").open("wb") as file:
         subprocess.run([*MAIN, "list", "metrics"], env=os.environ | ENCODINGS[0], stdout=file, check=True)
     assert "budget.flicker" in (tmp_path / "list.txt").read_text(encoding="cp1252")
+
+
+def test_a_closed_pipe_is_not_a_failed_gate() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    result = subprocess.run([*MAIN, "list", "metrics"], stdout=writing, stderr=subprocess.PIPE, check=False)
+    os.close(writing)
+    assert (result.returncode, result.stderr) == (2, b"")
