@@ -10,13 +10,13 @@ class TomlError(ValueError):
 
 
 def read_toml(path: Path, *, syntax: str, unreadable: str) -> dict[str, Any]:
-    """The content of a TOML file.
+    """The content of a TOML file: UTF-8, with or without a byte order mark, lines ending in LF or CRLF.
 
     syntax: what is often forgotten in this kind of file. unreadable: what follows the reason where it cannot be opened.
     Raises TomlError.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
         raise TomlError(f"{path}: not TOML: {error} ({syntax})") from None
     except UnicodeDecodeError as error:

@@ -10,6 +10,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from cyclopts import App, CycloptsError
 
 from swimlab.cli.bench_command import bench_command
+from swimlab.cli.encoding import make_streams_safe
 from swimlab.runs.provenance import SWIMLAB
 
 COMMANDS = {
@@ -43,6 +44,7 @@ app.command(bench_command)
 
 def main() -> None:
     """Run the command line. Exit codes: 0 good, 1 a gate failed, 2 could not run, 130 interrupted."""
+    make_streams_safe()
     warnings.showwarning = _show_warning
     for name in set(sys.argv[1:2]) & set(COMMANDS):
         app[name].help = None  # its own page has all that its docstring says
@@ -57,6 +59,10 @@ def main() -> None:
             file=sys.stderr,
         )
         sys.exit(130)
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # rich ends with 1 then, which says that a gate failed
+            sys.exit(2)
+        raise
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(2)

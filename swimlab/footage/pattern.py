@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from swimlab.runs.frames import FrameError
 
@@ -29,12 +29,40 @@ class Files:
         return frame_range(self.numbers)
 
 
+@dataclass(frozen=True)
+class Pattern:
+    """A path with a place for frame numbers in its last part."""
+
+    folder: PurePath
+    before: str
+    after: str
+    width: int
+    range: str | None
+    """Frame numbers that the pattern itself names, as 1-48x2."""
+
+    def file_name(self, number: int) -> str:
+        """The name of one frame's file."""
+        return f"{self.before}{number:0{self.width}d}{self.after}"
+
+
+def parse_pattern(path: PurePath) -> Pattern | None:
+    """Read a path of any system as a pattern; None where its last part has no place for frame numbers.
+
+    The file system is not asked. Only the last part is read: a `#`, `%` or `[` in a folder's name stands for itself.
+    """
+    token = next(reversed(list(_TOKEN.finditer(path.name))), None)
+    if token is None:
+        return None
+    before, after = path.name[: token.start()], path.name[token.end() :]
+    return Pattern(path.parent, before, after, _width(token["padding"]), token["range"])
+
+
 def holds_frames(name: str) -> bool:
     """Whether a name is that of frames: a pattern, an image or video file, or a folder of them that is no run."""
     path = Path(name)
     if path.is_dir():
         return not (path / "run.json").exists() and bool(_patterns(path))
-    return _token(path.name) is not None or path.suffix.lower() in IMAGES | VIDEOS
+    return parse_pattern(path) is not None or path.suffix.lower() in IMAGES | VIDEOS
 
 
 def is_video(name: str) -> bool:
@@ -53,22 +81,20 @@ def find_files(name: str, *, frames: str | None = None) -> Files:
     if path.is_dir():
         name = _only_sequence(path)
         path = Path(name)
-    token = _token(path.name)
-    if token is None:
+    pattern = parse_pattern(path)
+    if pattern is None or path.is_file():  # a file may have a # in its name
         if not path.is_file():
             raise FrameError(f"{name}: no such file; write a frame's number in a pattern as ####, as in shot.####.exr")
         return Files(name, (0,), (path,))
-    width = _width(token["padding"])
-    before, after = path.name[: token.start()], path.name[token.end() :]
-    found = _numbers(path.parent, before, after, width)
-    wanted = token["range"] or frames
-    if wanted is not None:
-        numbers = parse_range(wanted, name)
+    found = _numbers(path.parent, pattern.before, pattern.after, pattern.width)
+    frames = pattern.range or frames
+    if frames is not None:
+        numbers = parse_range(frames, name)
     elif found:
         numbers = tuple(range(min(found), max(found) + 1))
     else:
         raise FrameError(f"{name}: no file matches{_others(path.parent)}")
-    paths = tuple(path.parent / f"{before}{number:0{width}d}{after}" for number in numbers)
+    paths = tuple(path.parent / pattern.file_name(number) for number in numbers)
     missing = tuple(number for number in numbers if number not in found)
     if len(missing) == len(numbers):
         raise FrameError(f"{name}: none of the frames {frame_range(numbers)} is there{_others(path.parent)}")
@@ -90,11 +116,6 @@ def frame_range(numbers: Iterable[int]) -> str:
     from fileseq.frameset import FrameSet  # heavy
 
     return str(FrameSet(list(numbers)))
-
-
-def _token(name: str) -> re.Match[str] | None:
-    """The last place for frame numbers in a file's name."""
-    return next(reversed(list(_TOKEN.finditer(name))), None)
 
 
 def _width(padding: str) -> int:

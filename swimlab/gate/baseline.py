@@ -87,7 +87,7 @@ def read_baseline(gate: Gate) -> Baseline | None:
     if not path.exists() and gate.baseline.missing == "warn":
         return Baseline()
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
         if content.get("version") != VERSION:
             raise GateError(
                 f"{path}: has version {content.get('version')!r}, this swimlab reads {VERSION}; make it again"

@@ -59,7 +59,7 @@ class Record:
         if not path.is_file():
             raise RunError(f"{path}: is missing; name a run folder that 'swimlab render' or 'study' wrote")
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = json.loads(path.read_text(encoding="utf-8-sig"))
             version = content.pop("version")
             if version != VERSION:
                 raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; render again")

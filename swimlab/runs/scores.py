@@ -33,7 +33,7 @@ def read_scores(run: Path) -> dict[str, Any]:
     """
     path = scores_path(run)
     try:
-        scores = json.loads(path.read_text(encoding="utf-8"))
+        scores = json.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise RunError(f"{path}: is missing; measure the run first: swimlab measure {path.parent}") from None
     except OSError as error:

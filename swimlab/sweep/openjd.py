@@ -4,14 +4,18 @@ Source: Open Job Description, Template Schemas, revision 2023-09
 (https://github.com/OpenJobDescription/openjd-specifications/wiki/2023-09-Template-Schemas).
 """
 
-import os
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from swimlab.sweep.run import Work
 
 LONGEST_NAME = 64
 """Characters of a job's name that every revision allows."""
+
+
+def _place(file: PurePath, folder: PurePath) -> str | None:
+    """A file's path below a folder, with `/`; None where it lies outside of it, or on another drive."""
+    return file.relative_to(folder).as_posix() if file.is_relative_to(folder) else None
 
 
 def job_template(work: Work, sweep_file: Path, template: Path) -> dict[str, Any]:
@@ -21,7 +25,7 @@ def job_template(work: Work, sweep_file: Path, template: Path) -> dict[str, Any]
     machines share SweepFile, what that names, and Out.
     """
     count = len(work.distinct())
-    place = os.path.relpath(sweep_file.absolute(), template.absolute().parent)
+    place = _place(sweep_file.absolute(), template.absolute().parent)
     chunk = {"name": "Chunk", "type": "INT", "range": f"1-{count}"}
     sweep_parameter: dict[str, Any] = {
         "name": "SweepFile",
@@ -30,7 +34,7 @@ def job_template(work: Work, sweep_file: Path, template: Path) -> dict[str, Any]
         "dataFlow": "IN",
         "description": "The sweep file",
     }
-    if not place.startswith(".."):
+    if place is not None:
         # A scheduler refuses a default outside of the template's own folder.
         sweep_parameter["default"] = place
     return {
