@@ -1,11 +1,11 @@
 """The sweep over a clip: frames are read and aligned by one thread while others transform those before."""
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
 
+from metrics.machine import cores
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
 from metrics.spans import Span
@@ -39,7 +39,7 @@ class Sweep:
         """read: a part of a span, frame -> `pictures` pictures, aligned."""
         self._measures, self._read, self._memory = measures, read, memory
         self._frame = 12.0 * pictures
-        self._pool = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)))
+        self._pool = ThreadPoolExecutor(threads or cores())
 
     def __enter__(self) -> "Sweep":
         return self

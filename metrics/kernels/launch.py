@@ -17,11 +17,16 @@ from typing import Any, NamedTuple, TypeVar
 
 import warp as wp
 
+from metrics.machine import cores, user
+
 Item = TypeVar("Item")
 
 STRIP_ROWS = 32
 """Rows of samples a task: enough tasks to even out cheap and expensive rows, few enough that starting them
 costs nothing, and a strip's visibility buffer stays in the cache."""
+
+
+_LOADING = Lock()
 
 
 class Strip(NamedTuple):
@@ -40,9 +45,8 @@ class Launcher:
             known = ", ".join(str(known) for known in wp.get_devices())
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
-        self.threads = threads or len(os.sched_getaffinity(0))
+        self.threads = threads or cores()
         self._loaded: set[wp.Kernel] = set()
-        self._loading = Lock()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
     def close(self) -> None:
@@ -77,7 +81,7 @@ class Launcher:
             wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
             return
         # Building and loading a kernel is not safe in several threads at once.
-        with self._loading:
+        with _LOADING:
             wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
             self._loaded.add(kernel)
 
@@ -116,7 +120,7 @@ def start_warp() -> Path:
         wanted = str(Path(base) / "swimlab" / f"warp-{wp.__version__}")
     folder = Path(wanted)
     if not _writable(folder):
-        folder = Path(tempfile.gettempdir()) / f"swimlab-kernels-{os.getuid()}"
+        folder = Path(tempfile.gettempdir()) / f"swimlab-kernels-{user()}"
         warnings.warn(f"kernel cache {wanted} cannot be written; using {folder}", RuntimeWarning, stacklevel=2)
         folder.mkdir(parents=True, exist_ok=True)
     wp.config.log_level = wp.LOG_WARNING

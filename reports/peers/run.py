@@ -24,6 +24,7 @@ from road import PITCH, Contender, ReferenceFrames, Road, road_sequence
 
 import swimlab
 from metrics.kernels.launch import Launcher
+from metrics.machine import cores
 from swimlab.render.catalogue import techniques
 from swimlab.render.kernels.texture_filter import FINEST, ISOTROPIC, TextureFilter, anisotropic_to
 from swimlab.render.shot import Shot
@@ -162,7 +163,7 @@ def machine() -> str:
     """Processor and how many of them."""
     lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").is_file() else []
     name = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
-    return f"{name}, {len(os.sched_getaffinity(0))} cores, {platform.system()}"
+    return f"{name}, {cores()} cores, {platform.system()}"
 
 
 def compare(size: tuple[int, int], rounds: int, threads: int) -> dict[str, Any]:

@@ -38,12 +38,31 @@ def _check(name: str) -> Callable[[Callable[[], str]], Callable[[], str]]:
     return register
 
 
-@_check("python and cores")
-def _python() -> str:
-    import os
-    import platform
+@_check("system")
+def _system() -> str:
+    from metrics import machine
 
-    return f"{platform.python_version()}, {len(os.sched_getaffinity(0))} cores"
+    return f"{machine.system()}, Python {machine.python()}, {machine.memory() / 1e9:.1f} GB of memory"
+
+
+@_check("cores")
+def _cores() -> str:
+    from metrics import machine
+
+    bounds = {name: count for name, count in machine.core_limits().items() if count is not None}
+    return f"{machine.cores()} ({', '.join(f'{name} {count}' for name, count in bounds.items())})"
+
+
+@_check("encoding")
+def _encoding() -> str:
+    import locale
+    import sys
+
+    streams = {name: getattr(sys, name).encoding for name in ("stdout", "stderr")}
+    said = ", ".join(f"{name} {encoding}" for name, encoding in streams.items())
+    return (
+        f"{said}, locale {locale.getencoding()}, file names {sys.getfilesystemencoding()}; files are written in UTF-8"
+    )
 
 
 @_check("kernel cache")

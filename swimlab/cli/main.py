@@ -2,6 +2,7 @@
 
 import os
 import sys
+import traceback
 import warnings
 
 # Work is shared among threads of our own; those of BLAS would fight them for the cores.
@@ -71,6 +72,10 @@ def main() -> None:
             raise
         for line in str(error).splitlines():
             print(f"swimlab: {line}", file=sys.stderr)
+        sys.exit(2)
+    except Exception:  # Python would end with 1, which says that a gate failed
+        traceback.print_exc()
+        print("swimlab: could not finish: a fault of swimlab or of your technique, see above", file=sys.stderr)
         sys.exit(2)
 
 

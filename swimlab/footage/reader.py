@@ -1,11 +1,11 @@
 """Frames by index, from image files or a video: their header, their stored values, and what is wrong with them."""
 
-import os
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
+from metrics.machine import cores
 from swimlab.footage.header import Header, find_damage, read_header, read_stored
 from swimlab.footage.pattern import Files, find_files, is_video
 from swimlab.footage.video import VideoReader
@@ -74,7 +74,7 @@ class ImageReader:
 
     def damage(self) -> dict[int, str]:
         opened = [index for index in range(len(self._paths)) if isinstance(self._header(index), Header)]
-        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        with ThreadPoolExecutor(cores()) as pool:
             found = dict(zip(opened, pool.map(lambda index: find_damage(self._paths[index]), opened), strict=True))
         return {index: fault for index, fault in found.items() if fault}
 

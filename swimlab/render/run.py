@@ -8,6 +8,7 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.catalogue import own_code, techniques
 from swimlab.render.plan import Plan
 from swimlab.render.renderer import Rendered, Renderer, rms_error
+from swimlab.runs.files import clear_leftovers
 from swimlab.runs.frames import COLOUR, frame_path, read_channels, read_frame
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
@@ -28,6 +29,7 @@ def render_run(
     `advance` is called with a technique's name after each of its pictures. Raises RunError where the folder holds a run
     of another settings hash, MapError for maps that cannot be used. An interrupt loses nothing that was written.
     """
+    clear_leftovers(run)
     with Launcher(threads=threads, device=device) as launcher:
         renderer = Renderer(plan, launcher, digest=plan.digest())
         record = open_record(plan, run, force=force, command=command)

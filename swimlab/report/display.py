@@ -7,6 +7,7 @@ one (4) on pictures and 5% larger; codes are 70% larger with 0 and 2% with 1.
 
 import base64
 import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,8 +53,9 @@ def webp(picture: Picture) -> str:
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, oiio.UINT8)
     spec.attribute("compression", "lossless:0")
     spec.attribute("webp:method", 0 if colour else 1)
-    with tempfile.NamedTemporaryFile(suffix=".webp") as file:
-        output: Any = oiio.ImageOutput.create(file.name)
-        if not (output.open(file.name, spec) and output.write_image(pixels) and output.close()):
-            raise OSError(f"{file.name}: cannot be written: {output.geterror()}")
-        return base64.b64encode(file.read()).decode("ascii")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "picture.webp"
+        output: Any = oiio.ImageOutput.create(str(file))
+        if not (output.open(str(file), spec) and output.write_image(pixels) and output.close()):
+            raise OSError(f"{file}: cannot be written: {output.geterror()}")
+        return base64.b64encode(file.read_bytes()).decode("ascii")

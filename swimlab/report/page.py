@@ -20,7 +20,7 @@ from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
 from swimlab.runs.columns import MARKS
-from swimlab.runs.files import replacing_folder, write_text
+from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
 
@@ -39,6 +39,7 @@ def write_report(
     _refuse_nan(scores)
     opened = _open(runs)
     clips = choose_clips(opened, scores["sequences"], picture_budget)
+    clear_leftovers(destination.parent, destination.name)
     write_text(destination, _page(opened, scores, clips))
 
 
@@ -57,6 +58,7 @@ def write_report_folder(
     _refuse_nan(scores)
     refuse_strange_folder(destination)
     opened = _open(runs)
+    clear_leftovers(destination.parent, destination.name)
     with replacing_folder(destination) as folder:
         clips = []
         for place, run in enumerate(opened):

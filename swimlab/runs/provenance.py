@@ -1,7 +1,5 @@
 """Where an output comes from: versions, machine, command and date."""
 
-import os
-import platform
 import time
 from importlib.metadata import version
 from typing import Any
@@ -12,12 +10,14 @@ SWIMLAB = version("swimlab")
 
 def provenance(command: str) -> dict[str, Any]:
     """Versions, machine, command and date, which every output carries."""
+    from metrics import machine  # metrics is heavy, and the version alone needs none of it
+
     return {
         "swimlab": SWIMLAB,
         "warp": version("warp-lang"),
         "numpy": version("numpy"),
-        "python": platform.python_version(),
-        "machine": f"{platform.system()} {platform.machine()}, {len(os.sched_getaffinity(0))} cores",
+        "python": machine.python(),
+        "machine": f"{machine.system()}, {machine.cores()} cores",
         "command": command,
         "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }

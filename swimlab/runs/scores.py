@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from swimlab.runs.files import write_json, write_text
+from swimlab.runs.files import clear_leftovers, write_json, write_text
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION, Record, RunError
 
@@ -64,6 +64,7 @@ def write_scores(
         "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
         "sequences": entries,
     }
+    clear_leftovers(run)
     write_json(run / "scores.json", scores)
     write_text(run / "frames.csv", frames_table(entries))
     return scores

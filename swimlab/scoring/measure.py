@@ -1,6 +1,5 @@
 """Measuring a run folder: its files become clips, clips get scores, scores become files."""
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from metrics import Clip, Measurement, ReferenceFrames, align, measure_scales
 from metrics.display import Domain
+from metrics.machine import cores
 from swimlab.footage.colour import quantisation_floor
 from swimlab.runs.clips import check_complete, display_of, read_clip, reference_error
 from swimlab.runs.frames import Image
@@ -135,4 +135,4 @@ def _workers(record: Record) -> int:
     """Techniques to measure at a time: as many as there are cores for, and memory."""
     width, height = record.sequence["size"]
     fit = MEMORY // int(width * height * BYTES_PER_PIXEL)
-    return max(1, min(len(os.sched_getaffinity(0)), fit))
+    return max(1, min(cores(), fit))

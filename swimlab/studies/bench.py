@@ -1,6 +1,5 @@
 """How fast the measures are, on frames that cost nothing to make."""
 
-import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from metrics import Clip, Measurement, ReferenceFrames, align, measure
+from metrics.machine import peak_memory
 from metrics.spans import Span
 from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
@@ -71,7 +71,7 @@ def time_measures(
         started = time.perf_counter()
         work()
         elapsed = time.perf_counter() - started
-        peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        peak = peak_memory()
         timings.append(Timing(name, frames / elapsed, peak))
         advance(name)
     return timings

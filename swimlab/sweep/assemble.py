@@ -80,5 +80,5 @@ def _place(source: Path, target: Path) -> None:
     with replacing(target) as temporary:
         try:
             temporary.hardlink_to(source)
-        except OSError:
+        except (OSError, NotImplementedError):  # the file system or Python has no links
             shutil.copy2(source, temporary)

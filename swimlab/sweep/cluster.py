@@ -1,11 +1,11 @@
 """The engine on dask.distributed: tasks on the processes of this machine, or of a cluster with a shared file system."""
 
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from typing import Any
 
+from metrics.machine import cores
 from swimlab.runs.record import RunError
 from swimlab.sweep.task import Engine, Task
 
@@ -13,6 +13,10 @@ RETRIES = 1
 """How often a task that raised is tried again. A killed worker's tasks are done by others without counting here."""
 PATIENCE = "10s"
 """How long a scheduler may take to answer."""
+
+
+ANY_PORT = "127.0.0.1:0"
+"""A free port of this machine alone: two clusters on one machine do not meet at the usual one."""
 
 
 @contextmanager
@@ -49,10 +53,12 @@ def dask_engine(scheduler: str | None, *, threads: int | None) -> Iterator[Engin
         with connect(scheduler) as client:
             yield engine_of(client)
         return
-    processes = max(1, len(os.sched_getaffinity(0)) // (threads or 1))
+    processes = max(1, cores() // (threads or 1))
     with (
         # No limit of memory: pictures are the file cache's, and a worker that is killed at 95 % helps nobody.
-        dask.LocalCluster(n_workers=processes, threads_per_worker=1, memory_limit=0, dashboard_address=None) as cluster,
+        dask.LocalCluster(
+            n_workers=processes, threads_per_worker=1, memory_limit=0, dashboard_address=ANY_PORT
+        ) as cluster,
         connect(cluster) as client,
     ):
         yield engine_of(client)

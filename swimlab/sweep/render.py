@@ -1,9 +1,7 @@
 """Rendering a chunk into its folder: whole or not at all."""
 
 import json
-import os
 import shutil
-import socket
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -16,7 +14,7 @@ from sequences import Sequence
 from swimlab.render.catalogue import own_code
 from swimlab.render.plan import Plan
 from swimlab.render.renderer import Renderer
-from swimlab.runs.files import write_json
+from swimlab.runs.files import temporary_path, write_json
 from swimlab.runs.frames import COLOUR, FrameError, read_channels
 from swimlab.runs.frames import GEOMETRY as GEOMETRY_CHANNELS
 from swimlab.runs.provenance import SWIMLAB
@@ -97,11 +95,6 @@ def _write(renderer: Renderer, chunk: Chunk, frame: int, folder: Path) -> dict[s
     return {"frame": frame, **{key: value for key, value in picture.items() if value is not None}}
 
 
-def temporary_folder(target: Path) -> Path:
-    """Where a chunk is written until it is whole: of its own for every process of every machine."""
-    return target.with_name(f".{target.name}.{socket.gethostname()}.{os.getpid()}.tmp")
-
-
 def clear_temporaries(out: Path) -> None:
     """Remove what killed processes left of chunks that are done by now."""
     for folder in (out / "chunks").glob("*/.*.tmp"):
@@ -112,7 +105,7 @@ def clear_temporaries(out: Path) -> None:
 @contextmanager
 def _whole(target: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `target` when the block ends well and vanishes when it does not."""
-    folder = temporary_folder(target)
+    folder = temporary_path(target)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     try:

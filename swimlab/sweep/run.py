@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.render.plan import Plan
+from swimlab.runs.files import clear_leftovers
 from swimlab.runs.record import REFERENCE, Record
 from swimlab.runs.scores import write_scores
 from swimlab.sweep.assemble import assemble
@@ -65,6 +66,7 @@ def render_chunks(
 def finish(work: Work, out: Path, engine: Engine, *, command: str, show: Show) -> Outcome:
     """Make the run folders of what is rendered and measure them."""
     clear_temporaries(out)
+    clear_leftovers(out)
     runs: list[tuple[Path, Record, dict[str, Path]]] = []
     tasks: list[Task] = []
     claimed: set[Path] = set()

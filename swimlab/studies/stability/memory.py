@@ -1,14 +1,13 @@
 """Memory of large frames: what one picture of a technique takes, measured in a process of its own."""
 
 import json
-import os
-import resource
 import subprocess
 import sys
 import time
 from typing import NamedTuple
 
 from metrics.kernels.launch import Launcher
+from metrics.machine import free_memory, peak_memory
 from sequences import load
 from sequences.asphalt import make
 from swimlab.render.catalogue import model_of, techniques
@@ -40,7 +39,7 @@ def large_frames(threads: int | None = None) -> dict[tuple[str, int, int], Memor
     cases = [(name, *LARGE) for name in TECHNIQUES]
     found = {case: _measured(case, threads) for case in cases}
     need = found[cases[0]].per_pixel * LARGEST[0] * LARGEST[1]
-    if need * SPARE < os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"):
+    if need * SPARE < free_memory():
         largest = (TECHNIQUES[0], *LARGEST)
         found[largest] = _measured(largest, threads)
     return found
@@ -72,7 +71,7 @@ def render_large(name: str, size: tuple[int, int], threads: int | None) -> Memor
 
 
 def _peak() -> int:
-    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak_memory()
 
 
 if __name__ == "__main__":

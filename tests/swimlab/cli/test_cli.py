@@ -281,3 +281,16 @@ def test_info_prints_a_sequence_with_every_default(swimlab):
     assert code == 0
     for line in ('name = "road-drive"', "camera.fov = 50.0", 'motion.kind = "drive"', "size = [640, 360]"):
         assert line in out.splitlines()
+
+
+def test_a_fault_is_no_failed_gate(swimlab, monkeypatch):
+    """What nobody foresaw ends with 2 and its traceback: exit code 1 says that a gate failed."""
+
+    def broken():
+        raise RuntimeError("a technique's kernel does not compile")
+
+    monkeypatch.setattr("swimlab.cli.list_command.techniques", broken)
+    code, _, err = swimlab("list", "techniques")
+    assert code == 2
+    assert "RuntimeError: a technique's kernel does not compile" in err
+    assert err.splitlines()[-1].startswith("swimlab: could not finish: a fault")

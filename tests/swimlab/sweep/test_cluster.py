@@ -8,6 +8,8 @@ import time
 from distributed import LocalCluster
 from run_folders import entries, pixels
 
+from swimlab.sweep.cluster import ANY_PORT
+
 SWEEP = """
 version = 1
 name = "killed"
@@ -37,7 +39,7 @@ def test_a_killed_worker_loses_nothing(swimlab, tmp_path):
     assert swimlab("sweep", "sweep.toml", "-o", "local", "-q")[0] == 0
     killed, finished = [], threading.Event()
     killer = threading.Thread(target=kill_one_at_work, args=(tmp_path / "cluster", killed, finished))
-    with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=0, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=0, dashboard_address=ANY_PORT) as cluster:
         killer.start()
         words = ("--engine", "dask", "--scheduler", cluster.scheduler_address, "--threads", "1")
         code, _, err = swimlab("sweep", "sweep.toml", "-o", "cluster", "-q", *words)

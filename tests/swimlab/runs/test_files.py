@@ -1,0 +1,92 @@
+"""Files are whole or not there, and what a killed process left is cleaned."""
+
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from swimlab.render.plan import make_plan
+from swimlab.render.run import render_run
+from swimlab.runs.files import clear_leftovers, replacing, replacing_folder, temporary_path, write_text
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from swimlab.runs.files import replacing, replacing_folder
+with {how}(Path(sys.argv[1])) as temporary:
+    (temporary / "half" if temporary.is_dir() else temporary).write_text("half")
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+
+
+def kill_while_writing(path, how):
+    """What a process that is killed while it writes `path` leaves."""
+    command = [sys.executable, "-c", KILLED.format(how=how), str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        process.kill()
+    left = list(path.parent.glob(".*.tmp"))
+    assert len(left) == 1
+    assert not path.exists()
+    return left[0]
+
+
+@pytest.mark.parametrize("how", ["replacing", "replacing_folder"])
+def test_what_a_killed_process_left_is_cleaned(tmp_path, how):
+    left = kill_while_writing(tmp_path / "deep" / "a.b", how)
+    clear_leftovers(tmp_path, "a.b")
+    assert left.exists()
+    clear_leftovers(tmp_path)
+    assert not left.exists()
+
+
+def test_the_next_run_over_the_folder_cleans_it(tmp_path):
+    left = kill_while_writing(tmp_path / "run" / "pixel-point" / "0000.exr", "replacing")
+    render_run(make_plan("road-shift", ["pixel-point"], size=(16, 9), frames="1"), tmp_path / "run")
+    assert not left.exists()
+
+
+def test_what_others_are_writing_stays(tmp_path):
+    host, own = socket.gethostname(), os.getpid()
+    others = [f".a.{host}.{own}.tmp", ".a.another-host.999999999.tmp", ".a.tmp", ".gitignore", "a.tmp"]
+    for name in others:
+        (tmp_path / name).touch()
+    clear_leftovers(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(others)
+
+
+def test_a_folder_whose_replacement_was_killed_gets_its_content_back(tmp_path):
+    (tmp_path / f".page.{socket.gethostname()}.999999999.old").mkdir()
+    clear_leftovers(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["page"]
+
+
+@pytest.mark.parametrize("how", [replacing, replacing_folder])
+def test_what_another_program_holds_open_is_named_and_kept(tmp_path, monkeypatch, how):
+    """As on Windows, where a file that is open cannot be replaced."""
+    target = tmp_path / "report"
+    target.mkdir() if how is replacing_folder else target.write_text("before", encoding="utf-8")
+
+    def refuse(self, to):
+        raise PermissionError(13, "The process cannot access the file")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    monkeypatch.setattr(Path, "rename", refuse)
+    with (
+        pytest.raises(PermissionError, match=r"report: cannot be replaced, it is open in another program"),
+        how(target) as new,
+    ):
+        (new / "page" if new.is_dir() else new).write_text("after", encoding="utf-8")
+    assert [path.name for path in tmp_path.iterdir()] == ["report"]
+    assert target.is_dir() or target.read_text(encoding="utf-8") == "before"
+
+
+def test_text_has_line_feeds_on_every_system(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "linesep", "\r\n")
+    write_text(tmp_path / "a.txt", "one\ntwo\n")
+    assert (tmp_path / "a.txt").read_bytes() == b"one\ntwo\n"
+    assert temporary_path(tmp_path / "a.txt").parent == tmp_path
