@@ -59,8 +59,8 @@ def swimlab_gate(request: pytest.FixtureRequest, tmp_path: Path) -> CheckGate:
     ) -> "Outcome":
         __tracebackhide__ = True
         from swimlab.gate.check import gate_runs, render_and_measure
+        from swimlab.gate.outputs import table_text
         from swimlab.gate.rules import GateError
-        from swimlab.gate.table import table_text
         from swimlab.runs.record import RunError
 
         run = beside(what)

@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from swimlab.gate.outcome import update_baseline
+from swimlab.gate.outputs import number
 from swimlab.gate.rules import GateError, load_gate
-from swimlab.gate.table import number
 from swimlab.runs.provenance import provenance
 
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from swimlab.cli.comparison_table import print_comparison, print_outlook
 from swimlab.compare import history
-from swimlab.compare.commit import commit_of
+from swimlab.compare.history import commit_of
 from swimlab.compare.pick import Pick
 from swimlab.compare.runs import compare_runs
 from swimlab.runs.entries import read_all

@@ -9,10 +9,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swimlab.gate import github
-from swimlab.gate.junit import junit, junit_error
+from swimlab.gate import outputs as github
 from swimlab.gate.outcome import Outcome, run_gate
-from swimlab.gate.table import print_table
+from swimlab.gate.outputs import junit, junit_error, print_table
 from swimlab.runs.files import write_json, write_text
 from swimlab.runs.provenance import provenance
 

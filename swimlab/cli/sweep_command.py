@@ -20,11 +20,10 @@ from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError
 from swimlab.runs.scores import merge_scores
 from swimlab.sweep.chunk import Chunk
-from swimlab.sweep.cluster import dask_engine
+from swimlab.sweep.engine import Engine, dask_engine, local
 from swimlab.sweep.file import load_sweep
 from swimlab.sweep.openjd import job_template
 from swimlab.sweep.run import Outcome, Work, finish, render_chunks
-from swimlab.sweep.task import Engine, local
 
 SHOWN = 5
 """Failures that are printed; all are in files."""

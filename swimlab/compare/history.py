@@ -4,6 +4,7 @@ The model is pytest-benchmark's storage: https://pytest-benchmark.readthedocs.io
 """
 
 import re
+import subprocess
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -12,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.compare.change import SIGMAS, Change, change_in_history
-from swimlab.compare.commit import Commit
 from swimlab.compare.pick import Pick
 from swimlab.compare.runs import tally
 from swimlab.runs.entries import Entry, Key, number, read_all, read_entries
@@ -23,6 +23,17 @@ from swimlab.runs.scores import read_scores
 NAME = re.compile(r"(\d{4,})_.+\.json")
 KEPT_CURVES = ("scale",)
 """Curves that tell of how many scales a score is."""
+
+
+@dataclass(frozen=True)
+class Commit:
+    """A commit. name: of 40 digits, or "nogit" outside of a repository. dirty: tracked files differ from it."""
+
+    name: str
+    dirty: bool
+
+    def __str__(self) -> str:
+        return self.name[:DIGITS] + ("_uncommitted-changes" if self.dirty else "")
 
 
 @dataclass(frozen=True)
@@ -175,3 +186,17 @@ def _claim(folder: Path) -> tuple[int, Path]:
 def _last(folder: Path) -> int:
     files = _files(folder)
     return int(files[-1].name.partition("_")[0]) if files else 0
+
+
+NONE = "nogit"
+DIGITS = 12
+
+
+def commit_of(folder: Path) -> Commit:
+    """The commit of the repository that the folder lies in; "nogit" without git, repository or commit."""
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return Commit(NONE, dirty=False)
+    return Commit(said.removesuffix("-dirty"), dirty=said.endswith("-dirty"))

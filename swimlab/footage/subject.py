@@ -11,9 +11,8 @@ from metrics import Clip
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.channels import find_pair
 from swimlab.footage.convention import PRESETS, Convention
-from swimlab.footage.estimate import EstimatedMotion
 from swimlab.footage.header import LOSSY
-from swimlab.footage.motion import FieldMotion, Motion, UniformMotion
+from swimlab.footage.motion import EstimatedMotion, FieldMotion, Motion, UniformMotion
 from swimlab.footage.pattern import frame_range, is_video
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.source import Look, Mask, Source

@@ -14,8 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from swimlab.footage.estimate import EstimatedMotion
-from swimlab.footage.motion import Motion, Points
+from swimlab.footage.motion import EstimatedMotion, Motion, Points
 from swimlab.footage.warping import GIVEN, IDENTITY, WHOLE, Pair, Rival, grid, residuals_of
 from swimlab.runs.frames import FrameError, Image
 

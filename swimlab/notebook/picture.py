@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from swimlab.report.display import COVERED, ERROR_COLOURS, ERROR_RANGE
 from swimlab.runs.files import replacing
-from swimlab.runs.frames import Image
-from swimlab.runs.png import png
+from swimlab.runs.frames import Image, png
 
 Codes = NDArray[np.uint8]
 """[H, W, 3] sRGB codes."""

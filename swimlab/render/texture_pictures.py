@@ -18,8 +18,7 @@ from swimlab.render.target import Lighting, Need, Screen
 from swimlab.render.techniques.tsl import TslSettings, lit_targets
 from swimlab.render.texture import MipChain
 from swimlab.runs.files import replacing
-from swimlab.runs.frames import COLOUR, Image, write_channels
-from swimlab.runs.png import png
+from swimlab.runs.frames import COLOUR, Image, png, write_channels
 from swimlab.runs.provenance import SWIMLAB
 from swimlab.runs.record import RunError
 

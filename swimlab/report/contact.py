@@ -10,8 +10,7 @@ from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import Picture, srgb
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.runs.files import replacing
-from swimlab.runs.frames import Image, frame_path, read_frame
-from swimlab.runs.png import png
+from swimlab.runs.frames import Image, frame_path, png, read_frame
 
 CELL = (256, 144)
 ENLARGED = 4

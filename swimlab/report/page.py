@@ -1,4 +1,4 @@
-"""The report page: scores, pictures, charts and provenance in one HTML file that needs no network."""
+"""The report page: scores, pictures, charts and provenance in one HTML file that needs no network, or in a folder."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -10,8 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.report.bundle import PAGE, refuse_strange_folder, write_pictures
-from swimlab.report.clips import BUDGET, Clip, choose_clips
+from swimlab.report.clips import BUDGET, Clip, choose_clips, encode
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
@@ -223,3 +222,31 @@ def _environment() -> Environment:
 
 def _static(name: str) -> str:
     return (resources.files("swimlab.report") / "static" / name).read_text(encoding="utf-8")
+
+
+PAGE = "index.html"
+PICTURES = "pictures"
+
+
+def write_pictures(run: Run, report: Path, place: int) -> Clip:
+    """Write the whole frames of a run as scripts into the folder `report`/pictures/`place`."""
+    clip = Clip(run, folder=f"{PICTURES}/{place}")
+    (report / clip.folder).mkdir(parents=True)
+    for frame in run.frames:
+        step = encode(run, frame, None)
+        for technique in run.techniques:
+            name = f"{clip.folder}/{technique}.{frame:04d}.js"
+            error = step.errors.get(technique, {}).get(frame)
+            handed = ", ".join(json.dumps(part) for part in (name, step.pictures[technique][frame], error))
+            (report / name).write_text(f"received({handed});\n", encoding="utf-8")
+        clip.merge(Clip(run, sizes=step.sizes, compared=step.compared))
+    return clip
+
+
+def refuse_strange_folder(folder: Path) -> None:
+    """Raise ReportError for a path at which there is something other than an earlier report folder."""
+    if not folder.exists():
+        return
+    strange = sorted({path.name for path in folder.iterdir()} - {PAGE, PICTURES}) if folder.is_dir() else ["a file"]
+    if strange:
+        raise ReportError(f"{folder}: is no report folder ({strange[0]} is there); name another with --output")

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from swimlab.report.charts import HEIGHT, WIDTH, Axis, Plane, drawing, group, number
 from swimlab.report.palette import Ink
-from swimlab.report.pareto import front
+from swimlab.report.weighing import front
 
 Box = tuple[float, float, float, float]
 

@@ -1,4 +1,4 @@
-"""Weighing techniques: their means over sequences, which is the best for its time, and which only look good."""
+"""Weighing techniques: means over sequences, the Pareto front, the best for its time, what only looks good."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -114,3 +114,18 @@ def calm_but_wrong(pick: Tested, tested: Sequence[Tested]) -> list[Tested]:
 def seen(one: Tested, pick: Tested) -> float | None:
     """Its visible flicker if the pick's is known, else its rms flicker."""
     return one.flicker if pick.visible is None else one.visible
+
+
+def front(points: Sequence[tuple[float, float | None]]) -> list[bool]:
+    """Which points (cost, error), less is better, lie on the Pareto front: none is as good in both and better in one.
+
+    A point without an error is not on it. Equal points are on it together.
+    """
+    order = sorted((error, cost, place) for place, (cost, error) in enumerate(points) if error is not None)
+    held = [False] * len(points)
+    cheapest: tuple[float, float] | None = None
+    for error, cost, place in order:
+        if cheapest is None or cost < cheapest[1] or (error, cost) == cheapest:
+            cheapest = (error, cost)
+            held[place] = True
+    return held

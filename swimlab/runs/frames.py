@@ -1,10 +1,11 @@
-"""Frame files: RGBA pictures and geometry as EXR, through OpenImageIO, written so that none is ever half there."""
+"""Frame files: RGBA pictures and geometry as EXR through OpenImageIO, and pictures to look at as PNG."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -119,3 +120,13 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
     if pixels is None:
         raise FrameError(f"{path}: is damaged: {source.geterror()}")
     return np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)
+
+
+COMPRESSION = 6
+
+
+def png(codes: NDArray[np.uint8]) -> bytes:
+    """The bytes of a PNG file of codes [H, W, 3], red first."""
+    bgr = np.ascontiguousarray(codes[..., ::-1])
+    encoded: NDArray[np.uint8] = cv2.imencode(".png", bgr, [cv2.IMWRITE_PNG_COMPRESSION, COMPRESSION])[1]
+    return encoded.tobytes()

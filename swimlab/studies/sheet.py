@@ -8,8 +8,7 @@ import numpy as np
 from swimlab.report.clips import Region
 from swimlab.report.contact import CELL, ENLARGED, GAP, HEADER, PAPER, column, enlarge, exposure, write
 from swimlab.report.display import srgb
-from swimlab.runs.frames import Image
-from swimlab.runs.png import png
+from swimlab.runs.frames import Image, png
 
 FAR = 16.0
 """Metres: a detail lies on the one side or the other."""

@@ -12,11 +12,11 @@ from swimlab.runs.record import REFERENCE, Record
 from swimlab.runs.scores import write_scores
 from swimlab.sweep.assemble import assemble
 from swimlab.sweep.chunk import Chunk, Chunks, cut
+from swimlab.sweep.engine import Engine, Task, failure_path, record_failure
 from swimlab.sweep.file import Sweep
 from swimlab.sweep.grid import configurations
 from swimlab.sweep.render import clear_temporaries, render_chunk
 from swimlab.sweep.score import measure_missing, read_entry, score_path
-from swimlab.sweep.task import Engine, Task, failure_path, record_failure
 
 Show = Callable[[str, int], AbstractContextManager[Callable[[str], None]]]
 """Shows progress: a word and a number of steps in, what is called after each step out."""

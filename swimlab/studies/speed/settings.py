@@ -11,8 +11,8 @@ from sequences import Sequence as Scenery
 from swimlab.render.catalogue import techniques
 from swimlab.render.material import Material
 from swimlab.report.charts import Axis
-from swimlab.report.pareto import front
 from swimlab.report.scatter import Point, scatter
+from swimlab.report.weighing import front
 from swimlab.runs.record import REFERENCE
 from swimlab.studies.page import Cell, Figure, Section, Table, shown
 from swimlab.studies.panels import Panel, panels

@@ -9,7 +9,7 @@ import pytest
 from gate_files import entry, write_scores
 
 from swimlab.compare import history
-from swimlab.compare.commit import Commit, commit_of
+from swimlab.compare.history import Commit, commit_of
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import RunError
 

@@ -6,8 +6,7 @@ from scipy import ndimage
 
 from sequences import load
 from swimlab.footage.convention import PRESETS, Convention, guess
-from swimlab.footage.estimate import EstimatedMotion
-from swimlab.footage.motion import FieldMotion, UniformMotion
+from swimlab.footage.motion import EstimatedMotion, FieldMotion, UniformMotion
 from swimlab.footage.source import Box
 from swimlab.footage.verify import verify
 from swimlab.footage.warping import GIVEN, IDENTITY

@@ -15,8 +15,8 @@ from swimlab.render.catalogue import techniques
 from swimlab.report.charts import Axis
 from swimlab.report.figures import speed as speed_figures
 from swimlab.report.palette import inks
-from swimlab.report.pareto import front
 from swimlab.report.scatter import LETTER, LINE, Point, scatter
+from swimlab.report.weighing import front
 from swimlab.runs.record import RunError
 from swimlab.studies.panels import Panel, panels
 from swimlab.studies.speed import growth

@@ -8,7 +8,7 @@ import time
 from distributed import LocalCluster
 from run_folders import entries, pixels
 
-from swimlab.sweep.cluster import ANY_PORT
+from swimlab.sweep.engine import ANY_PORT
 
 SWEEP = """
 version = 1

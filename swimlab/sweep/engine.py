@@ -1,13 +1,53 @@
-"""The engine on dask.distributed: tasks on the processes of this machine, or of a cluster with a shared file system."""
+"""Where the tasks of a sweep are done: in this process, or on dask.distributed."""
 
-from collections.abc import Iterator, Sequence
+import traceback
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from metrics.machine import cores
+from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError
-from swimlab.sweep.task import Engine, Task
+
+
+class Task(NamedTuple):
+    """A call whose result is files: it can be done anywhere, twice and again. key: names it, and so its failure."""
+
+    key: str
+    label: str
+    function: Callable[..., None]
+    arguments: tuple[Any, ...]
+
+
+Engine = Callable[[Sequence[Task]], Iterator[tuple[Task, BaseException | None]]]
+"""Does tasks and yields each with its error, or None, as they end."""
+
+
+def local(tasks: Sequence[Task]) -> Iterator[tuple[Task, BaseException | None]]:
+    """The engine of this process: one task after another, as each takes all cores."""
+    for task in tasks:
+        try:
+            task.function(*task.arguments)
+        except Exception as error:
+            yield task, error
+        else:
+            yield task, None
+
+
+def record_failure(out: Path, task: Task, error: BaseException) -> Path:
+    """Write OUT/failures/KEY.json: what the task was, the message and the traceback."""
+    path = failure_path(out, task)
+    trace = "".join(traceback.format_exception(error))
+    write_json(path, {"task": task.label, "error": f"{type(error).__name__}: {error}", "traceback": trace})
+    return path
+
+
+def failure_path(out: Path, task: Task) -> Path:
+    """Where a task's failure is recorded."""
+    return out / "failures" / f"{task.key}.json"
+
 
 RETRIES = 1
 """How often a task that raised is tried again. A killed worker's tasks are done by others without counting here."""
