@@ -58,7 +58,7 @@ def swimlab_gate(request: pytest.FixtureRequest, tmp_path: Path) -> CheckGate:
         domain: "Domain" = "linear",
     ) -> "Outcome":
         __tracebackhide__ = True
-        from swimlab.gate.check import gate_runs, render_and_measure
+        from swimlab.gate.outcome import gate_runs, render_and_measure
         from swimlab.gate.outputs import table_text
         from swimlab.gate.rules import GateError
         from swimlab.runs.record import RunError

@@ -35,7 +35,7 @@ class Running:
 
     def write(self, title: str, steps: int, path: Path, write: Callable[..., Any]) -> int:
         """Write a report by `write(threads=, command=, advance=)`; print its numbers or where it is."""
-        from swimlab.cli.progress import progress  # rich is heavy
+        from swimlab.cli.terminal import progress  # rich is heavy
 
         command = shlex.join(["swimlab", *sys.argv[1:]])
         with progress(title, steps, quiet=self.quiet) as advance:
@@ -80,7 +80,7 @@ def bench_measures(*, size: str = "1920x1080", frames: int = 32, running: Runnin
         Frames of the clip.
     """
     from swimlab.cli.measures_table import print_timings
-    from swimlab.cli.progress import progress
+    from swimlab.cli.terminal import progress
     from swimlab.studies.bench import NAMES, time_measures
 
     width, height = _clip(frames, size, range(2, sys.maxsize))

@@ -12,8 +12,8 @@ from cyclopts import Parameter
 
 from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
-from swimlab.cli.progress import progress
 from swimlab.cli.score_table import print_scores
+from swimlab.cli.terminal import progress
 from swimlab.footage.subject import Subject
 from swimlab.runs.columns import COLUMNS
 from swimlab.runs.files import write_json, write_text

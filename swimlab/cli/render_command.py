@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from swimlab.cli.dry_run import print_plans
 from swimlab.cli.options import Rendering, run_folder, technique_names
-from swimlab.cli.progress import progress
+from swimlab.cli.terminal import progress
 from swimlab.render.plan import Plan
 from swimlab.render.run import render_run
 from swimlab.render.texture_pictures import check_targets, write_run_targets

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swimlab.cli.progress import progress
+from swimlab.cli.terminal import progress
 from swimlab.report.page import PAGE, write_report, write_report_folder
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import merge_scores, read_scores, run_folders

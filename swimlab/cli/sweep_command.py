@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swimlab.cli.progress import progress
 from swimlab.cli.sweep_table import print_sweep
+from swimlab.cli.terminal import progress
 from swimlab.render.plan import check_threads
 from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError

@@ -12,8 +12,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from swimlab.cli.progress import progress
-from swimlab.cli.terminal import print_whole
+from swimlab.cli.terminal import print_whole, progress
 from swimlab.query.rows import find_runs
 from swimlab.query.store import Answer, Store
 from swimlab.runs.record import RunError

@@ -1,16 +1,23 @@
-"""Run a gate: read, judge, look for evidence."""
+"""A gate put to runs, or to a sequence that is rendered first: the checks, the verdict and the exit code."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from metrics.display import Domain
 from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
 from swimlab.gate.judge import Check, Status, exit_code, governed, judge
 from swimlab.gate.lacking import rules_off
 from swimlab.gate.rules import GateError, load_gate
+from swimlab.render.catalogue import techniques
+from swimlab.render.plan import make_plan
+from swimlab.render.run import render_run
 from swimlab.runs.entries import Entry, read_all, read_entries
+from swimlab.runs.provenance import provenance
+from swimlab.runs.record import REFERENCE
+from swimlab.scoring.measure import measure_run
 
 VERSION = 1
 """Version of the format of a gate's JSON."""
@@ -109,3 +116,36 @@ def _check_json(check: Check) -> dict[str, Any]:
         region = check.evidence.region
         evidence = {"frame": check.evidence.frame, "region": region, "crop": None if crop is None else str(crop)}
     return {**vars(check), "evidence": evidence}
+
+
+COMMAND = "pytest"
+
+
+def render_and_measure(
+    sequence: str | Path,
+    run: Path,
+    *,
+    only: Sequence[str] | None = None,
+    size: tuple[int, int] | None = None,
+    frames: str | None = None,
+    samples: int = 64,
+    threads: int | None = None,
+    domain: Domain = "linear",
+) -> None:
+    """Render techniques of a sequence beside the reference into a run folder, and measure them.
+
+    only: names of techniques, None: all. size: width and height in px. frames: as "0-7". samples: of the reference,
+    a pixel. Raises what `load`, `render_run` and `measure_run` do, and GateError for an unknown technique.
+    """
+    unknown = [name for name in only or () if name not in techniques()]
+    if unknown:
+        raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")
+    names = None if only is None else [*only, REFERENCE]
+    plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
+    render_run(plan, run, threads=threads, command=COMMAND)
+    measure_run(run, domain=domain, command=COMMAND)
+
+
+def gate_runs(gate: Path, runs: Sequence[Path]) -> Outcome:
+    """Judge runs by a gate file. Raises GateError."""
+    return run_gate(gate, runs, provenance=provenance(COMMAND))
