@@ -14,6 +14,7 @@ class Tolerance(NamedTuple):
 TOLERANCES: dict[str, Tolerance] = {
     "rotation": Tolerance(1e-15, "sine and cosine in double precision, a few roundings"),
     "mean of float32 squares": Tolerance(1e-4, "relative; pixels rounded to float32"),
+    "another processor": Tolerance(1e-6, "relative rms; the same operations, rounded in another order or fused"),
     "closed form": Tolerance(1e-12, "a handful of double-precision operations"),
     "central difference of hills": Tolerance(1e-5, "step 1e-4 m: third derivative (5 m, 5 m wave) and rounding"),
     "step over a map's edge": Tolerance(1.2, "times the 99th percentile of 512 rows; for unrelated normals it is 5"),
