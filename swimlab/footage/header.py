@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swimlab.runs.frames import FrameError, Image
+from swimlab.runs.frames import FrameError, Image, oiio_name
 
 LOSSY = frozenset({"dwaa", "dwab", "b44", "b44a", "pxr24", "jpeg", "webp", "lossy video"})
 """Compressions that change the pixels."""
@@ -120,7 +120,7 @@ def _open(path: Path) -> Any:
     # Without this, OpenImageIO multiplies the colours of a PNG by its alpha.
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open(str(path), config)
+    source = oiio.ImageInput.open(oiio_name(path), config)
     if source is None:
         raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}")
     return source

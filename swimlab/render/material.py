@@ -12,6 +12,7 @@ from sequences import Sequence, asphalt, brushed
 from swimlab.render.inputs import Inputs, Level, Map, Maps
 from swimlab.render.kernels.structs import TEXELS
 from swimlab.render.texture import MipChain
+from swimlab.runs.frames import oiio_name
 
 POWER_OCTAVES = 12.0
 """Integer gloss maps hold power = 2^(1 + 12 c)."""
@@ -163,7 +164,7 @@ def _read(path: Path, where: str) -> tuple[Map, bool, bool]:
         raise MapError(f"{where}: does not exist")
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open(str(path), config)
+    source = oiio.ImageInput.open(oiio_name(path), config)
     if source is None:
         raise MapError(f"{where}: is not a picture that can be read: {oiio.geterror()}")
     spec = source.spec()

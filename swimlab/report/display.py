@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.runs.frames import Image
+from swimlab.runs.frames import Image, oiio_name
 
 Picture = NDArray[np.uint8]
 
@@ -55,7 +55,7 @@ def webp(picture: Picture) -> str:
     spec.attribute("webp:method", 0 if colour else 1)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.webp"
-        output: Any = oiio.ImageOutput.create(str(file))
-        if not (output.open(str(file), spec) and output.write_image(pixels) and output.close()):
+        output: Any = oiio.ImageOutput.create("webp")
+        if not (output.open(oiio_name(file), spec) and output.write_image(pixels) and output.close()):
             raise OSError(f"{file}: cannot be written: {output.geterror()}")
         return base64.b64encode(file.read_bytes()).decode("ascii")

@@ -1,5 +1,6 @@
 """Frame files: RGBA pictures and geometry as EXR through OpenImageIO, and pictures to look at as PNG."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,6 +38,14 @@ class Geometry:
     coverage: Image
     motion: Image
     depth: Image
+
+
+def oiio_name(path: Path) -> str:
+    """A file's name as OpenImageIO takes it, which is UTF-8 under every locale. Raises FrameError where it is not."""
+    try:
+        return os.fsencode(path).decode("utf-8")
+    except UnicodeDecodeError:
+        raise FrameError(f"{path}: has a name that is not UTF-8; rename it") from None
 
 
 def frame_path(run: Path, folder: str, frame: int) -> Path:
@@ -89,7 +98,7 @@ def write_channels(
     with replacing(path) as temporary:
         output: Any = oiio.ImageOutput.create("exr")
         written = (
-            output.open(str(temporary), spec)
+            output.open(oiio_name(temporary), spec)
             and output.write_image(np.ascontiguousarray(pixels, np.float32))
             and output.close()
         )
@@ -104,7 +113,7 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
     """
     import OpenImageIO as oiio  # noqa: N813, heavy
 
-    source = oiio.ImageInput.open(str(path))
+    source = oiio.ImageInput.open(oiio_name(path))
     if source is None:
         raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}")
     names = list(source.spec().channelnames)

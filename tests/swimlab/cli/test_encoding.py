@@ -1,6 +1,7 @@
 """Commands print a whole result on a stream of any encoding."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -52,3 +53,62 @@ def test_a_closed_pipe_is_not_a_failed_gate() -> None:
     result = subprocess.run([*MAIN, "list", "metrics"], stdout=writing, stderr=subprocess.PIPE, check=False)
     os.close(writing)
     assert (result.returncode, result.stderr) == (2, b"")
+
+
+GATE = """
+version = 1
+[[rule]]
+metric = "budget.mse"
+max = 10.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study and a gate in a folder whose names need more than ASCII."""
+    folder = tmp_path_factory.mktemp("caf\u00e9 [1] 100% \u732b")
+    (folder / "gate.toml").write_text(GATE, encoding="utf-8-sig", newline="\r\n")
+    words = [
+        "study",
+        "road-shift",
+        "-t",
+        "pixel-point,pixel-aniso,reference",
+        "--size",
+        "64x36",
+        "--frames",
+        "0-3",
+        "--samples",
+        "4",
+        "-o",
+    ]
+    subprocess.run([*MAIN, *words, "run \u00e9#1"], cwd=folder, check=True, capture_output=True)
+    return folder
+
+
+@pytest.mark.parametrize("settings", ENCODINGS, ids=str)
+@pytest.mark.parametrize(
+    ("words", "result"),
+    [
+        (["measure", "run \u00e9#1"], "pixel-aniso"),
+        (["compare", "run \u00e9#1", "run \u00e9#1", "--metric", "*"], "standard errors"),
+        (["gate", "gate.toml", "run \u00e9#1"], "passed"),
+        (["report", "run \u00e9#1"], "report.html"),
+        (["measure", "--test", "run \u00e9#1/pixel-point/####.exr", "--motion", "0.71875,0.59375"], "test"),
+        (["doctor"], "stdout"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else "",
+)
+def test_results_are_whole(folder: Path, words: list[str], result: str, settings: dict[str, str]) -> None:
+    found = subprocess.run([*MAIN, *words], cwd=folder, env=os.environ | settings, capture_output=True, check=False)
+    assert found.returncode == 0, found.stderr
+    assert result.encode() in found.stdout
+
+
+@pytest.mark.parametrize("file", ["run.json", "scores.json"])
+def test_files_of_a_run_are_read_as_windows_editors_write_them(folder: Path, tmp_path: Path, file: str) -> None:
+    copy = tmp_path / "run"
+    shutil.copytree(folder / "run \u00e9#1", copy)
+    text = (copy / file).read_text(encoding="utf-8")
+    (copy / file).write_text(text, encoding="utf-8-sig", newline="\r\n")
+    found = subprocess.run([*MAIN, "gate", str(folder / "gate.toml"), str(copy)], capture_output=True, check=False)
+    assert found.returncode == 0, found.stderr
