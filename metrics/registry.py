@@ -36,12 +36,12 @@ def measures(names: Iterable[str] | None) -> list[type[Measure]]:
     chosen = [
         module
         for module in _modules()
-        if hasattr(module, "MEASURE") and (names is None or any(wanted(s, names) for s in module.SCORES))
+        if hasattr(module, "MEASURE") and (names is None or any(selected(s, names) for s in module.SCORES))
     ]
     return [module.MEASURE for module in chosen]
 
 
-def wanted(score: str, names: Iterable[str] | None) -> bool:
+def selected(score: str, names: Iterable[str] | None) -> bool:
     """Whether a score is named, by itself or by its beginning; every one is for None."""
     return names is None or any(score == name or score.startswith(name + ".") for name in names)
 
@@ -49,5 +49,5 @@ def wanted(score: str, names: Iterable[str] | None) -> bool:
 def check_names(names: Iterable[str] | None) -> None:
     """Raise ValueError for a name that no score has or begins with."""
     for name in names or ():
-        if not any(wanted(score, [name]) for score in METRICS):
+        if not any(selected(score, [name]) for score in METRICS):
             raise ValueError(f"no score is named {name}; there are {', '.join(METRICS)}")

@@ -51,7 +51,7 @@ def measure(
     domain: "linear" radiance, or "display": codes in 0..1 as `display` makes them, of both clips.
     reference_error: t -> [H, W, 3], (A - B)/2 of two independent halves of the reference's samples, whose mean
         (A + B)/2 is the reference.
-    names: scores wanted, by name or beginning ("budget"); None: all.
+    names: scores to measure, by name or beginning ("budget"); None: all.
     alignment: from `align`, of a clip with the same motion, coverage and depth; None: made here.
     progress: called with frames done and frames in all.
     memory: bytes that may be taken beside what `alignment` holds; where that is not enough for all tiles at once,
@@ -81,7 +81,7 @@ def measure(
         pixels_per_degree=test.pixels_per_degree if domain == "linear" else None,
         luminance=test.luminance,
     )
-    every_pixel = any(registry.wanted(name, names) for name in WHOLE_FRAME)
+    every_pixel = any(registry.selected(name, names) for name in WHOLE_FRAME)
     measures = [measure_type(context) for measure_type in registry.measures(names)]
 
     def read(span: Span, t: int) -> Pictures:
@@ -115,10 +115,10 @@ def measure(
     if every_pixel:
         found.merge(whole.finish())
     found.notes += _extent_note(found.scores)
-    found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.wanted(name, names)}
+    found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.selected(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}
-    found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.wanted(name, names)}
+    found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.selected(name, names)}
     found.note_unknown_errors()
     return found
 

@@ -114,14 +114,14 @@ def _quiet_stderr() -> Iterator[None]:
 @functools.cache
 def start_warp() -> Path:
     """Initialise Warp, quietly, with a kernel cache that can be written; return the cache's folder."""
-    wanted = os.environ.get("WARP_CACHE_PATH") or wp.config.kernel_cache_dir
-    if wanted is None:
+    configured = os.environ.get("WARP_CACHE_PATH") or wp.config.kernel_cache_dir
+    if configured is None:
         base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111, no home is no error
-        wanted = str(Path(base) / "swimlab" / f"warp-{wp.__version__}")
-    folder = Path(wanted)
+        configured = str(Path(base) / "swimlab" / f"warp-{wp.__version__}")
+    folder = Path(configured)
     if not _writable(folder):
         folder = Path(tempfile.gettempdir()) / f"swimlab-kernels-{user()}"
-        warnings.warn(f"kernel cache {wanted} cannot be written; using {folder}", RuntimeWarning, stacklevel=2)
+        warnings.warn(f"kernel cache {configured} cannot be written; using {folder}", RuntimeWarning, stacklevel=2)
         folder.mkdir(parents=True, exist_ok=True)
     wp.config.log_level = wp.LOG_WARNING
     wp.config.kernel_cache_dir = str(folder)

@@ -20,7 +20,7 @@ def baseline_command(
     *runs: Path,
     count: Annotated[int | None, Parameter(name="--runs")] = None,
 ) -> int:
-    """Record the scores of runs as the baseline of a gate; writes the file anew, whole.
+    """Record the scores of runs as the baseline of a gate; the file is replaced as a whole.
 
     Only scores that a rule of the gate speaks of are recorded. Several runs of the same sequence under the same
     settings give their spread, which noise_sigma in a rule counts by.
@@ -43,7 +43,10 @@ def baseline_command(
         for line in str(error).splitlines():
             print(f"swimlab: {line}", file=sys.stderr)
         if error.paste:
-            print(f"to switch off what cannot be had, add at the end of {gate}:\n{error.paste}", file=sys.stderr)
+            print(
+                f"to switch off scores that are not available, add at the end of {gate}:\n{error.paste}",
+                file=sys.stderr,
+            )
         return 2
     for (sequence, technique), known in baseline.entries.items():
         for name, (mean, sigma) in known.scores.items():

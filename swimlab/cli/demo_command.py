@@ -34,7 +34,7 @@ def demo_command(
     threads:
         Threads to render with (default: every core).
     force:
-        Render everything anew, over whatever the folder holds.
+        Render everything again, over what the folder holds.
     quiet:
         Show no progress.
     """

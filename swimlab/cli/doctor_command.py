@@ -21,7 +21,7 @@ def doctor_command(*, json_output: Annotated[bool, Parameter(name="--json", nega
     for name, check in CHECKS.items():
         try:
             found.append({"check": name, "ok": True, "said": check()})
-        except Exception as error:  # whatever breaks is what the doctor is asked about
+        except Exception as error:  # every failure is a finding
             found.append({"check": name, "ok": False, "said": f"{type(error).__name__}: {error}"})
         if not json_output:
             print("{} {check}: {said}".format("ok   " if found[-1]["ok"] else "FAIL ", **found[-1]))

@@ -39,13 +39,13 @@ class Reports:
     annotations: bool | None = None
 
     def write_error(self, gate: Path, message: str) -> None:
-        """Say in the JUnit file, if one is wanted, that the gate could not run: a CI server shows nothing else."""
+        """Say in the JUnit file, if one was asked for, that the gate could not run: a CI server shows nothing else."""
 
         if self.junit is not None:
             write_text(self.junit, junit_error(gate, message))
 
     def write(self, outcome: Outcome) -> None:
-        """Write every report that is wanted."""
+        """Write every report that was asked for."""
 
         if self.json is not None:
             write_json(self.json, outcome.as_json())
@@ -57,10 +57,10 @@ class Reports:
         elif step_summary:
             with Path(step_summary).open("a", encoding="utf-8") as file:
                 file.write(github.summary(outcome))
-        wanted = self.annotations
-        if wanted is None:
-            wanted = os.environ.get("GITHUB_ACTIONS") == "true"
-        if wanted:
+        annotate = self.annotations
+        if annotate is None:
+            annotate = os.environ.get("GITHUB_ACTIONS") == "true"
+        if annotate:
             for line in github.annotations(outcome):
                 print(line)
 

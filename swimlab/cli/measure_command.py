@@ -136,7 +136,7 @@ def _write(output: Path, scores: dict[str, Any]) -> Path:
 
 
 def _refuse_footage(footage: Footage) -> None:
-    """Raise RunError where options for frames of one's own come with a run folder, whose files say all that."""
+    """Raise RunError where options for your own frames come with a run folder, whose files state all of this."""
     about_frames = [field for field in fields(footage) if field.name not in VIEWING]
     given = [field.name for field in about_frames if getattr(footage, field.name) != field.default]
     if given:

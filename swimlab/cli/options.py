@@ -32,7 +32,7 @@ class Rendering:
     float32:
         Write pictures as 32-bit floats instead of 16-bit.
     force:
-        Render everything anew, over whatever the folder holds.
+        Render everything again, over what the folder holds.
     quiet:
         Show no progress.
     verbose:
@@ -53,7 +53,7 @@ class Rendering:
     dry_run: Annotated[bool, Parameter(negative="")] = False
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
-        """What to render of a sequence. Raises SequenceError or RunError for whatever is wrong."""
+        """What to render of a sequence. Raises SequenceError or RunError naming every mistake."""
 
         check_threads(self.threads)
         return make_plan(

@@ -9,22 +9,22 @@ _COLOUR = (("R", "G", "B"), ("r", "g", "b"), ("red", "green", "blue"))
 _ALPHA = ("A", "a", "alpha")
 
 
-def find_colour(header: Header, wanted: str | None, name: str) -> tuple[int, tuple[str, ...]]:
+def find_colour(header: Header, chosen: str | None, name: str) -> tuple[int, tuple[str, ...]]:
     """The part and the three channels (one for grey) to measure.
 
-    wanted: channels with commas, or the name of a layer or part; None: R, G, B; else the only layer that has them; else
+    chosen: channels with commas, or the name of a layer or part; None: R, G, B; else the only layer that has them; else
     the only channel. Raises FrameError naming the file and what there is.
     """
-    if wanted is not None:
-        listed = tuple(channel.strip() for channel in wanted.split(","))
+    if chosen is not None:
+        listed = tuple(channel.strip() for channel in chosen.split(","))
         if len(listed) not in (1, 3):
-            raise FrameError(f"--channels {wanted}: give three channels with commas, one channel, or a layer's name")
+            raise FrameError(f"--channels {chosen}: give three channels with commas, one channel, or a layer's name")
         for index, part in enumerate(header.parts):
             if all(channel in part.channels for channel in listed):
                 return index, listed
         layers = [found for found in _layers(header) if len(listed) == 1 and found[0] == listed[0]]
         if not layers:
-            raise FrameError(f"{name}: has no channels or layer {wanted}; it has {_list(header)}")
+            raise FrameError(f"{name}: has no channels or layer {chosen}; it has {_list(header)}")
         return layers[0][1:]
     layers = _layers(header)
     plain = [found for found in layers if set(found[2]) in map(set, _COLOUR)]

@@ -74,7 +74,7 @@ class Source:
 
     def problems(self) -> dict[int, str]:
         """What is wrong with frames, by index, as far as headers tell."""
-        return self.reader.problems(self.part, self._wanted)
+        return self.reader.problems(self.part, self._channels_read)
 
     def picture(self, index: int) -> Image:
         """[H, W, 3] linear radiance. Raises FrameError naming the frame, also for NaN and Inf."""
@@ -108,12 +108,12 @@ class Source:
         ]
 
     @property
-    def _wanted(self) -> tuple[str, ...]:
+    def _channels_read(self) -> tuple[str, ...]:
         return (*self.channels, self._alpha) if self._alpha is not None else self.channels
 
     def _stored(self, index: int) -> Image:
         try:
-            pixels = self.reader.read(index, self.part, self._wanted)
+            pixels = self.reader.read(index, self.part, self._channels_read)
         except FrameError as error:
             raise FrameError(f"{error}; {LEAVE_OUT}") from error
         width, height = self.reader.header.size

@@ -107,15 +107,15 @@ def read_baseline(gate: Gate) -> Baseline | None:
         ) from error
 
 
-def make_baseline(wanted: Iterable[Cell], entries: Sequence[Entry], provenance: dict[str, Any]) -> Baseline:
-    """Mean and spread of the wanted scores (sequence, technique, metric) over the runs in `entries`.
+def make_baseline(chosen: Iterable[Cell], entries: Sequence[Entry], provenance: dict[str, Any]) -> Baseline:
+    """Mean and spread of the chosen scores (sequence, technique, metric) over the runs in `entries`.
 
     Raises GateError where runs of a sequence differ in their settings, and one for all scores that a run lacks.
     """
     by_key: dict[Key, list[Entry]] = {}
     for entry in entries:
         by_key.setdefault(entry.key, []).append(entry)
-    cells = sorted(wanted)
+    cells = sorted(chosen)
     _check_complete(cells, by_key)
     names: dict[Key, list[str]] = {}
     for *key, metric in cells:

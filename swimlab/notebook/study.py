@@ -209,7 +209,7 @@ def study(
     sequence: a name from the library, a .toml file, or a sequences.Sequence. techniques: None: all. size: width and
     height in px. frames: as "0-7". samples: of the reference, a pixel, a square number. output: the run folder, which
     is resumed as by `swimlab render`; None: a temporary one, removed when Python ends. threads: None: one a core.
-    force: render again, over whatever the folder holds. Raises SequenceError, RunError or MapError for what is wrong.
+    force: render again, over what the folder holds. Raises SequenceError, RunError or MapError naming what is wrong.
     """
     check_threads(threads)
     if domain not in get_args(Domain):

@@ -81,7 +81,7 @@ def display_of(record: Record) -> Display:
 
 def check_complete(run: Path, names: Iterable[str], frames: Iterable[int]) -> None:
     """Raise FrameError naming the first picture that a run should hold and does not."""
-    wanted = [frame_path(run, name, frame) for name in names for frame in frames]
-    missing = [path for path in wanted if not path.is_file()]
+    needed = [frame_path(run, name, frame) for name in names for frame in frames]
+    missing = [path for path in needed if not path.is_file()]
     if missing:
         raise FrameError(f"{missing[0]}: is missing ({len(missing)} in all); give the render command again to resume")

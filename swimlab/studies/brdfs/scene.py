@@ -105,6 +105,6 @@ def _mean(stage: Stage) -> float:
 
 
 def _scaled(maps: Maps, strength: float, *, twisted: bool) -> Maps:
-    """Maps with a factor on Ks, and with their twist only where it is wanted."""
+    """Maps with a factor on Ks, and with their twist only where a model needs it."""
     factors = np.array([strength, 1.0], np.float32)
     return maps._replace(gloss=maps.gloss * factors, twist=maps.twist if twisted else None)
