@@ -93,11 +93,15 @@ def clear_leftovers(folder: Path, of: str | None = None) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write text in UTF-8 with line feeds. Raises PermissionError as `replacing` does."""
+    """Write text in UTF-8 with line feeds. Raises PermissionError as `replacing` does.
+
+    Under a locale that is not UTF-8 Python holds the bytes of a file's name as lone surrogates: they are written as they
+    were, which is UTF-8 again.
+    """
     with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+        temporary.write_text(text, encoding="utf-8", errors="surrogateescape", newline="\n")
 
 
 def write_json(path: Path, data: Any) -> None:
     """Write JSON, indented. Raises ValueError on NaN and Inf, which JSON does not have."""
-    write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+    write_text(path, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")

@@ -1,5 +1,6 @@
 """Files are whole or not there, and what a killed process left is cleaned."""
 
+import json
 import os
 import socket
 import subprocess
@@ -10,7 +11,7 @@ import pytest
 
 from swimlab.render.plan import make_plan
 from swimlab.render.run import render_run
-from swimlab.runs.files import clear_leftovers, replacing, replacing_folder, temporary_path, write_text
+from swimlab.runs.files import clear_leftovers, replacing, replacing_folder, temporary_path, write_json, write_text
 
 KILLED = """
 import os, signal, sys
@@ -83,6 +84,13 @@ def test_what_another_program_holds_open_is_named_and_kept(tmp_path, monkeypatch
         (new / "page" if new.is_dir() else new).write_text("after", encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
     assert target.is_dir() or target.read_text(encoding="utf-8") == "before"
+
+
+def test_names_of_files_are_written_in_utf_8_under_every_locale(tmp_path):
+    """Under a locale of ASCII the two bytes of an e with an accent are two lone surrogates."""
+    name = "caf\u00e9".encode().decode("ascii", "surrogateescape")
+    write_json(tmp_path / "a.json", {"command": f"swimlab measure {name}"})
+    assert json.loads((tmp_path / "a.json").read_text(encoding="utf-8")) == {"command": "swimlab measure caf\u00e9"}
 
 
 def test_text_has_line_feeds_on_every_system(tmp_path, monkeypatch):
