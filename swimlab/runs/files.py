@@ -95,8 +95,8 @@ def clear_leftovers(folder: Path, of: str | None = None) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write text in UTF-8 with line feeds. Raises PermissionError as `replacing` does.
 
-    Under a locale that is not UTF-8 Python holds the bytes of a file's name as lone surrogates: they are written as they
-    were, which is UTF-8 again.
+    Under a locale that is not UTF-8 Python holds the bytes of a file's name as lone surrogates. They are written as
+    they were, which is UTF-8 again.
     """
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8", errors="surrogateescape", newline="\n")
