@@ -9,7 +9,6 @@ of this the share that flickers is given back, so that noise reads its own energ
 without that surface in the frame before has just come into view.
 """
 
-from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -76,7 +75,6 @@ class WholeFrame:
     geometry: Clip
     error: Callable[[int], Image] | None
     launcher: Launcher
-    _ratios: dict[str, Ratios] = field(default_factory=lambda: defaultdict(Ratios))
     _frames: list[dict[str, Any]] = field(default_factory=list)
     _blocks: dict[str, Any] = field(default_factory=dict)
     _before: tuple[Surface, Image | None] | None = None
