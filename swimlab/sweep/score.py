@@ -12,7 +12,7 @@ from swimlab.runs.files import write_json
 from swimlab.runs.frames import FrameError
 from swimlab.runs.provenance import SWIMLAB
 from swimlab.runs.record import GEOMETRY, REFERENCE, Record, RunError
-from swimlab.scoring.measure import measure_techniques
+from swimlab.scoring.techniques import measure_techniques
 from swimlab.sweep.chunk import Chunks
 from swimlab.sweep.render import remove_damaged
 
