@@ -10,6 +10,7 @@ import psutil
 
 CGROUPS = Path("/sys/fs/cgroup")
 OWN_CGROUP = Path("/proc/self/cgroup")
+CPUINFO = Path("/proc/cpuinfo")
 
 
 def cores() -> int:
@@ -56,8 +57,8 @@ def _quota_of(group: Path) -> list[float]:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="ascii")
-    except (OSError, UnicodeDecodeError):
+        return path.read_text(encoding="utf-8", errors="surrogateescape")
+    except OSError:
         return ""
 
 
@@ -90,6 +91,12 @@ def user() -> str:
 def system() -> str:
     """Operating system and processor, as "Linux x86_64"."""
     return f"{platform.system()} {platform.machine()}"
+
+
+def processor() -> str:
+    """The processor's name; the kind of processor where the system does not name it."""
+    names = (line.split(":", 1)[1].strip() for line in _text(CPUINFO).splitlines() if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())
 
 
 def python() -> str:

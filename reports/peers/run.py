@@ -11,7 +11,6 @@ import argparse
 import importlib
 import json
 import os
-import platform
 import random
 import time
 from collections.abc import Iterator, Sequence
@@ -24,7 +23,7 @@ from road import PITCH, Contender, ReferenceFrames, Road, road_sequence
 
 import swimlab
 from metrics.kernels.launch import Launcher
-from metrics.machine import cores
+from metrics.machine import cores, processor, python, system
 from swimlab.render.catalogue import techniques
 from swimlab.render.kernels.texture_filter import FINEST, ISOTROPIC, TextureFilter, anisotropic_to
 from swimlab.render.shot import Shot
@@ -161,9 +160,7 @@ def processors() -> tuple[float, float]:
 
 def machine() -> str:
     """Processor and how many of them."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").is_file() else []
-    name = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
-    return f"{name}, {cores()} cores, {platform.system()}"
+    return f"{processor()}, {cores()} cores, {system()}"
 
 
 def compare(size: tuple[int, int], rounds: int, threads: int) -> dict[str, Any]:
@@ -191,7 +188,7 @@ def compare(size: tuple[int, int], rounds: int, threads: int) -> dict[str, Any]:
                 results[contender.label]["million_samples_a_second"] = rates(each, shaded, threads)
     return {
         "machine": machine(),
-        "versions": {"swimlab": swimlab.__version__, "python": platform.python_version()} | versions,
+        "versions": {"swimlab": swimlab.__version__, "python": python()} | versions,
         "settings": {"size": size, "rounds": rounds, "threads": threads, "pitch": PITCH, "frame": FRAME},
         "others": max(0.0, (busy_then - busy - mine_then + mine) / took),
         "covered": float((truth.picture[..., 3] > 0).mean()),

@@ -41,6 +41,8 @@ def replacing_folder(path: Path) -> Iterator[Path]:
     """As `replacing`, for a new folder: what it takes the place of is gone only once it is whole."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary, old = temporary_path(path), temporary_path(path, OLD)
+    # In a container every process may have the number of the killed one whose folder this is.
+    shutil.rmtree(temporary, ignore_errors=True)
     temporary.mkdir()
     try:
         yield temporary
@@ -72,7 +74,8 @@ def clear_leftovers(folder: Path, of: str | None = None) -> None:
     of: only what was to become a file or folder of this name, directly in `folder`; None: everything below it.
 
     What a process that still runs is writing stays, and so does what other machines that share the folder write. A
-    folder whose replacement was killed half-way gets its old content back.
+    folder whose replacement was killed half-way gets its old content back. What another program holds open, as a
+    virus scanner does on Windows, stays for the next run.
     """
     from metrics.machine import process_exists  # metrics is heavy
 
@@ -84,12 +87,13 @@ def clear_leftovers(folder: Path, of: str | None = None) -> None:
         if found is None or of not in (None, found["name"]) or process_exists(int(found["process"])):
             continue
         target = path.with_name(found["name"])
-        if found["kind"] == OLD and not target.exists():
-            path.rename(target)
-        elif path.is_dir():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)
+        with suppress(PermissionError):
+            if found["kind"] == OLD and not target.exists():
+                path.rename(target)
+            elif path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -66,3 +66,4 @@ def test_the_facts_are_plausible():
     assert machine.user()
     assert "/" not in machine.user()
     assert machine.process_exists(os.getpid())
+    assert machine.processor()

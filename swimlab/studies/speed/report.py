@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from metrics.kernels.launch import Launcher
+from metrics.machine import processor
 from sequences import load
 from swimlab.render.material import load_material
 from swimlab.runs.provenance import provenance
@@ -78,7 +79,7 @@ def write_report(
         "A number of milliseconds says nothing without its error, nor an error without its milliseconds. Here every "
         "technique is rendered at several settings on one machine, timed in turns in one run, and measured against "
         "one supersampled reference.\n\n"
-        f"Made by `{command or 'swimlab bench speed-error'}` on {about['date']}: {_processor()}{about['machine']}, "
+        f"Made by `{command or 'swimlab bench speed-error'}` on {about['date']}: {processor()}, {about['machine']}, "
         f"{used} threads, swimlab {about['swimlab']}, Warp {about['warp']}, NumPy {about['numpy']}, Python "
         f"{about['python']}. The reference has {effort.samples} samples a pixel. Times are of one frame by kernels "
         f"that are compiled and maps that are in memory, medians and quartiles of {effort.rounds} rounds in which "
@@ -87,10 +88,3 @@ def write_report(
     )
     write_page(folder / f"{NAME}.md", "Speed against error", opening, sections)
     return {"provenance": about, "tables": tables(sections)}
-
-
-def _processor() -> str:
-    """The processor's name and ", ", where the system names it."""
-    path = Path("/proc/cpuinfo")
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return next((f"{line.split(':', 1)[1].strip()}, " for line in lines if line.startswith("model name")), "")

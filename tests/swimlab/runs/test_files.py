@@ -66,6 +66,30 @@ def test_a_folder_whose_replacement_was_killed_gets_its_content_back(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["page"]
 
 
+def test_what_is_left_and_held_open_stays_for_the_next_run(tmp_path, monkeypatch):
+    left = tmp_path / f".a.{socket.gethostname()}.999999999.tmp"
+    left.touch()
+
+    def refuse(self, missing_ok=False):
+        raise PermissionError(13, "The process cannot access the file")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "unlink", refuse)
+        clear_leftovers(tmp_path)
+    assert left.exists()
+    clear_leftovers(tmp_path)
+    assert not left.exists()
+
+
+def test_a_folder_left_by_a_killed_process_of_the_same_number_is_replaced(tmp_path):
+    left = temporary_path(tmp_path / "page")
+    left.mkdir()
+    (left / "half").touch()
+    with replacing_folder(tmp_path / "page") as new:
+        (new / "whole").touch()
+    assert [path.name for path in tmp_path.rglob("*")] == ["page", "whole"]
+
+
 @pytest.mark.parametrize("how", [replacing, replacing_folder])
 def test_what_another_program_holds_open_is_named_and_kept(tmp_path, monkeypatch, how):
     """As on Windows, where a file that is open cannot be replaced."""
