@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
-from metrics.clip import Clip, ClipError, FrameSource, Image
+from metrics.clip import Clip, ClipError, FrameSource
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
@@ -65,7 +65,7 @@ def measure(
     if isinstance(reference, Clip):
         exact = ReferenceFrames(reference, error=reference_error, domain=domain, display=display)
     elif reference_error is not None:
-        raise ValueError("reference_error: needs a clip as reference; leave it out; ReferenceFrames have their own")
+        raise ValueError("reference_error: needs a clip as reference; leave it out: ReferenceFrames have their own")
     if exact is not None and (exact.domain, exact.display) != (domain, display):
         raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
     geometry = _geometry(test, exact.reference if exact else None)
@@ -88,9 +88,8 @@ def measure(
         picture = to_domain(test.planes(t), domain, display, t)
         return Pictures(span.align(picture, t)) if exact is None else exact.against(span, picture, t)
 
-    def error(t: int) -> Image:
-        picture = to_domain(test.planes(t), domain, display, t)
-        return np.moveaxis(exact.off(picture, t), 0, 2) if exact is not None else picture
+    def error_of(reference: ReferenceFrames) -> FrameSource:
+        return lambda t: np.moveaxis(reference.off(to_domain(test.planes(t), domain, display, t), t), 0, 2)
 
     notes = []
     longest = 0
@@ -99,11 +98,14 @@ def measure(
         Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep,
         Launcher(threads=threads) as launcher,
     ):
-        whole = WholeFrame(geometry, error if exact is not None else None, launcher)
+        whole = WholeFrame(geometry, None if exact is None else error_of(exact), launcher)
         for span in alignment.spans:
-            sweep.run(span, lambda done: progress and progress(done, test.count))
+            if measures:
+                sweep.run(span, lambda done: progress and progress(done, test.count))
             if every_pixel:
                 whole.add(span)
+                if progress and not measures:
+                    progress(span.stop, test.count)
             longest = max(longest, span.count)
             if not span.levels:
                 notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")

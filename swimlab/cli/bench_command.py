@@ -5,6 +5,7 @@ import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -61,8 +62,6 @@ def bench_brdfs(*, output: Folder = Path("reports/brdfs.md"), running: Running =
     output:
         Markdown file to write.
     """
-    from functools import partial
-
     from swimlab.studies.brdfs.report import STEPS, write_brdf_report
 
     return running.write("brdfs", STEPS, output, partial(write_brdf_report, output))
@@ -104,8 +103,6 @@ def bench_stability(*, output: Folder = Path("reports"), running: Running = _STA
     output:
         Folder to write to.
     """
-    from functools import partial
-
     from swimlab.studies.stability.report import CASES, NAME, write_stability_report
 
     return running.write("hard cases", len(CASES), output / f"{NAME}.md", partial(write_stability_report, output))
@@ -135,8 +132,6 @@ def bench_beyond_the_deck(
     samples:
         Samples a pixel of the reference, a square number.
     """
-    from functools import partial
-
     from swimlab.render.plan import check_samples
     from swimlab.studies.beyond.report import NAME, STEPS, Effort, write_report
 
@@ -174,8 +169,6 @@ def bench_speed_error(
     peers:
         JSON of a comparison with other renderers, as reports/peers/run.py writes it, to have a section on it.
     """
-    from functools import partial
-
     from swimlab.render.plan import check_samples
     from swimlab.runs.record import RunError
     from swimlab.studies.speed.report import NAME, Effort, steps, write_report

@@ -15,6 +15,7 @@ from swimlab.cli.terminal import print_whole
 from swimlab.compare.change import BY_ERRORS, Change
 from swimlab.compare.history import Outlook, spark
 from swimlab.compare.runs import Against, Comparison, tally
+from swimlab.gate.outputs import number
 
 STYLES = {"better": "green", "worse": "bold red", "changed": "yellow", "unknown": "yellow", "gone": "yellow"}
 KINDS = {"settings": "OTHER SETTINGS", "names": "other names", "versions": "other versions"}
@@ -84,11 +85,6 @@ def print_outlook(outlook: Outlook, threshold: float) -> None:
                 "as improbable.",
                 soft_wrap=True,
             )
-
-
-def number(value: float | None) -> str:
-    """Four significant digits; "-" for none."""
-    return "-" if value is None else f"{value:.4g}"
 
 
 def _cells(change: Change | None) -> tuple[str | Text, ...]:
