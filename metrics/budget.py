@@ -16,12 +16,13 @@ import numpy as np
 
 from metrics.bands import BANDS, describe
 from metrics.measurement import Context, Measurement, Metric
+from metrics.octaves import OCTAVES, WHITE
 from metrics.parts import pieces
 from metrics.ratios import Ratios
 from metrics.spans import Span
 from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
-from metrics.transform import OCTAVES, Energy, energy, octave_sum
+from metrics.transform import Energy, octave_sum, squares
 
 CUT = 1 / 16
 """Cycles/px at which detail begins; an octave begins there too."""
@@ -66,22 +67,22 @@ class Budget:
         self._running = RunningMean(span, octaves=True) if self._context.has_reference else None
         self._squared, self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(3))
         # Sums over a piece's tiles, frame by frame.
-        self._sums = {name: np.zeros((span.count, len(pieces(span)))) for name in ("weight", "mse", "change")}
-        self._octaves = np.zeros((span.count, len(pieces(span)), len(OCTAVES)))
+        self._sums = {name: np.zeros((span.count, len(pieces(span)))) for name in ("weight", "mse")}
+        self._octaves, self._changes = np.zeros((2, span.count, len(pieces(span)), len(OCTAVES)))
 
     def add(self, batch: Batch) -> None:
         row = (batch.frame - self._span.start, batch.piece)
         spectra = batch.test if batch.error is None else batch.error
         self._sums["weight"][row] = 3 * batch.weight * len(spectra)
-        last = self._last[batch.level][batch.tiles]
-        self._sums["change"][row] = energy(spectra - last).sum() / 2
+        last, size = self._last[batch.level][batch.tiles], self._span.levels[batch.level].size
+        self._changes[row] = octave_sum(squares(spectra - last), size) / 2
         last[...] = spectra
         squared, noise = batch.pixel_energy, batch.floor_energy
         if batch.error is None or squared is None or self._running is None:
             return
         self._sums["mse"][row] = squared.sum()
         if batch.error_squares is not None:
-            self._octaves[row] = octave_sum(batch.error_squares, self._span.levels[batch.level].size)
+            self._octaves[row] = octave_sum(batch.error_squares, size)
         self._running.add(batch, batch.error)
         self._squared[batch.level][batch.tiles] += squared
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
@@ -89,22 +90,31 @@ class Budget:
             self._noise[batch.level][batch.tiles] += noise
 
     def end(self) -> None:
+        left = np.ones((self._span.count, len(OCTAVES)))
+        if self._span.correspondence is not None:
+            left = self._span.correspondence.left_in
         for index in range(self._span.count):
             frame = self._span.start + index
-            entry = self._frames.setdefault(frame, dict.fromkeys(self._sums, 0.0))
-            self._strip[frame] = self._strip.get(frame, 0.0) + self._octaves[index].sum(axis=0)
-            for name, sums in self._sums.items():
-                entry[name] += float(sums[index].sum())
-            if index == 0:
-                entry["change"] = np.nan
+            entry = self._frames.setdefault(frame, dict.fromkeys(("weight", "mse", "change"), 0.0))
+            octaves = self._octaves[index].sum(axis=0)
+            self._strip[frame] = self._strip.get(frame, 0.0) + octaves / left[index]
+            entry["weight"] += float(self._sums["weight"][index].sum())
+            # By Parseval octaves add up to this, but for the rounding of single precision.
+            squared = float(self._sums["mse"][index].sum())
+            entry["mse"] += squared + float((octaves / left[index] - octaves).sum())
+            between = (left[index] + left[index - 1]) / 2
+            entry["change"] += np.nan if index == 0 else float((self._changes[index].sum(axis=0) / between).sum())
         if self._running is None:
             return
         for index, level in enumerate(self._span.levels):
             static, varied = self._running.split(index, self._span.count)
-            squared = self._squared[index]
-            # By Parseval they add up already, but for the rounding of single precision.
-            spectral = (static + varied).sum(axis=1)
-            exact = np.divide(squared, spectral, out=np.zeros(level.count), where=spectral > 0)[:, None]
+            exact: Energy = np.ones((level.count, 1))
+            if self._span.left is None:
+                spectral = (static + varied).sum(axis=1)
+                ratio = np.divide(self._squared[index], spectral, out=np.zeros(level.count), where=spectral > 0)
+                exact = ratio[:, None]
+            else:
+                self._noise[index] /= self._span.left[index] @ WHITE
             self._settle(index, level, static * exact, varied * exact)
 
     def _settle(self, index: int, level: Level, static: Energy, varied: Energy) -> None:

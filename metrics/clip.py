@@ -1,11 +1,14 @@
 """What is measured: frames of linear radiance and how the surface moves under them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+WHOLE = 1 - 1e-6
+"""Coverage from which on a surface covers the whole pixel."""
 
 Image = NDArray[Any]
 FrameSource = Callable[[int], Image]
@@ -41,6 +44,7 @@ class Clip:
     pixels_per_degree: float | None = None
     luminance: float | None = None
     _shape: list[tuple[int, int]] = field(default_factory=list, init=False, repr=False, compare=False)
+    _first: list[Image] = field(default_factory=list, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.count < 1:
@@ -55,10 +59,16 @@ class Clip:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Height and width in pixels, from frame 0."""
+        """Height and width in pixels, from frame 0, which is kept for who asks for it next."""
         if not self._shape:
-            self.image(0)
+            self._first.append(self.planes(0))
         return self._shape[0]
+
+    def with_geometry(self, other: "Clip") -> "Clip":
+        """The same clip, with another one's coverage and depth where it has none of its own."""
+        clip = replace(self, coverage=self.coverage or other.coverage, depth=self.depth or other.depth)
+        clip._shape.append(self.shape)
+        return clip
 
     def image(self, t: int) -> NDArray[np.float64]:
         """Frame t as [3, H, W] float64. Raises ClipError as `planes` does."""
@@ -69,6 +79,8 @@ class Clip:
 
         Raises ClipError naming the frame if it is not [H, W, 3], has another size or holds NaN or Inf.
         """
+        if t == 0 and self._first:
+            return self._first.pop()
         raw = np.asarray(self.frame(t))
         if raw.ndim != 3 or raw.shape[2] != 3:
             raise ClipError(f"frame {t} has shape {raw.shape}; give height x width x 3 channels (R, G, B)")
@@ -89,18 +101,22 @@ class Clip:
     def covered(self, t: int) -> NDArray[np.bool_] | None:
         """[H, W], true where a surface covers the whole pixel of frame t; None if there is no mask."""
         share = self.share(t)
-        return None if share is None else np.asarray(share >= 1 - 1e-6)
+        return None if share is None else share >= WHOLE
 
-    def moved(self, t: int) -> NDArray[np.float64]:
-        """[H, W, 2] px since frame t - 1; 0 where frame t is not covered. Raises ClipError as `image` does."""
+    def moved(self, t: int) -> NDArray[np.float32]:
+        """[H, W, 2] px since frame t - 1; 0 for what is not finite in pixels that no surface covers wholly.
+
+        Raises ClipError as `image` does.
+        """
         if not callable(self.motion):
-            return np.broadcast_to(np.asarray(self.motion, dtype=np.float64), (*self.shape, 2))
-        raw = np.asarray(self.motion(t), dtype=np.float64)
+            return np.broadcast_to(np.asarray(self.motion, dtype=np.float32), (*self.shape, 2))
+        raw = np.asarray(self.motion(t), dtype=np.float32)
         if raw.ndim != 3 or raw.shape[2] != 2:
             raise ClipError(f"motion of frame {t} has shape {raw.shape}; give height x width x 2 (x, y)")
-        covered = self.covered(t)
-        if covered is not None:
-            raw = np.where(covered[:, :, None], raw, 0.0)
+        finite = np.isfinite(raw)
+        covered = None if finite.all() else self.covered(t)
+        if covered is not None and covered.shape == raw.shape[:2]:
+            raw = np.where(finite | covered[:, :, None], raw, np.float32(0.0))
         self._check(raw, "motion of frame", t)
         return raw
 

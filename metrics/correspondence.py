@@ -1,24 +1,29 @@
-"""Where the surface seen in one frame is seen in another, composed from motion fields, and images taken there.
+"""Where the surface seen in one frame is seen in another, composed from motion fields, and pictures taken there.
 
 Everything is done with B-spline interpolation (Unser 1999): linear interpolation would itself read as flicker.
 Surfaces that pass in front of each other are recognised by their motion: the field bends at the edge between them, and
 nothing is measured near such an edge, nor where two of them come from one place.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
-from scipy import ndimage
 
-from metrics.clip import Clip
+from metrics.geometry import Field, Geometry, Mask, Surface
+from metrics.kernels.follow import claim, find_smooth, land, steps
+from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
+from metrics.kernels.interpolation import field_spline, picture_spline, taken
+from metrics.kernels.launch import Launcher
+from metrics.tiles import Level
+from metrics.transform import TileTransform
 
 # Splines ring where a picture ends: nothing is measured this near to an edge (the quintic's ringing falls by
 # .43 a pixel).
 MARGIN = 8
-IMAGE_ORDER = 5
-FIELD_ORDER = 3
 
 # A tile is left out where the other frame shows the surface this many times smaller: its detail is lost there.
 SHRINK = 2.0
@@ -29,233 +34,185 @@ BEND = 0.25
 # Surfaces that move apart by less than this in a frame have an edge between them that is MARGIN wide, px.
 APART = MARGIN / 2
 
-_TOLERANCE = 1e-4
-_ROUNDS = 30
+# A place in the next frame is lost, since its surface is covered up there, if it is still so far off, px.
+LOST = 1e-3
 
-# Points solved for at a time, to save memory.
-_POINTS = 2**18
-
-Places = NDArray[np.float32]
-Mask = NDArray[np.bool_]
-Field = NDArray[np.float64]
+# Every so many rows and columns tell what interpolation leaves of a frame's noise.
+SAMPLED = 4
 
 
 class Correspondence:
     """A span's middle frame followed through frames start..stop-1.
 
     usable: [H, W], true where the surface of the middle frame is seen in every frame, off all edges, and not much
-        smaller. Places are held if they take no more than `room` bytes, else computed again for the rows asked for.
+        smaller. Places are held if they take no more than `room` bytes, else found again as they are asked for.
+    left_in: [frames, octaves], share of a noise's energy that taking pictures there leaves, mean over what is usable.
     """
 
-    def __init__(self, clip: Clip, start: int, stop: int, *, room: float) -> None:
-        self._clip, self._start, self._stop = clip, start, stop
-        self._held: list[Places | None] | None = None
-        height, width = clip.shape
-        if 8 * height * width * (stop - start) <= room:
-            self._held, self.usable = follow(clip, start, stop)
+    def __init__(self, geometry: Geometry, launcher: Launcher, start: int, stop: int, *, room: float) -> None:
+        self._geometry, self._launcher = geometry, launcher
+        self._start, self._stop = start, stop
+        self._steps = steps(launcher.device)
+        self._middle = (start + stop - 1) // 2
+        self._held: list[Field] = []
+        later: list[Field] = []
+        height, width = geometry.shape
+        holds = 8 * height * width * (stop - start) <= room
+        self._sampled: list[Field] = []
+        self._first, self.usable, self._left = self._trace(later if holds else None)
+        usable = self.usable[::SAMPLED, ::SAMPLED]
+        self.left_in = whole_octaves(np.array([mean_left(away[usable], table()) for away in self._sampled]))
+        self._sampled.clear()
+        if holds:
+            self._held = [*islice(self.places(slice(0, height)), self._middle - start + 1), *later]
+
+    def places(self, rows: slice) -> Iterator[Field]:
+        """Frame by frame how far from each pixel of these rows of the middle frame its surface is, [rows, W, 2] px."""
+        if self._held:
+            yield from (away[rows] for away in self._held)
             return
-        rows = max(1, int(room / (8 * width * (stop - start))))
-        bands = (follow(clip, start, stop, slice(y, min(y + rows, height)))[1] for y in range(0, height, rows))
-        self.usable = np.concatenate(list(bands))
+        away = self._launcher.array(self._first[rows], wp.vec2)
+        moved, usable = self._launcher.zeros(away.shape, wp.vec2), self._launcher.empty(away.shape, wp.uint8)
+        for t in range(self._start, self._stop):
+            if t > self._start:
+                self._step_ahead(t, rows.start, away, moved, usable)
+            if t == self._middle:
+                away.zero_()
+                moved.zero_()
+            yield np.array(away.numpy())
 
-    def places(self, rows: slice) -> list[Places | None]:
-        """As `follow` gives them, for these rows of the middle frame."""
-        if self._held is None:
-            return follow(self._clip, self._start, self._stop, rows)[0]
-        return [None if places is None else places[:, rows] for places in self._held]
+    def take(self, picture: NDArray[Any], away: Field, rows: slice) -> NDArray[np.float32]:
+        """Rows of a picture [channels, H, W] as seen from the middle frame: taken `away`, 0 where not usable."""
+        launcher = self._launcher
+        usable = launcher.view(self.usable[rows].view(np.uint8), wp.uint8)
+        spline = picture_spline(launcher, picture.astype(np.float32, copy=False))
+        return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
 
-    def course(self) -> Iterator[Places | None]:
-        """Places of all rows, frame by frame in the order of `glue`."""
-        if self._held is None:
-            return (places for _, places, _ in trace(self._clip, self._start, self._stop))
-        middle = (len(self._held) - 1) // 2
-        return iter([*self._held[middle::-1], *self._held[middle + 1 :]])
+    def left_of(self, levels: Sequence[Level]) -> list[NDArray[np.float64]]:
+        """For every level [n, octaves], the share of a noise's energy that is left in its tiles, mean over the frames.
 
-    def bytes_per_row(self) -> int:
-        """Memory that the places of a row take for as long as they are used; none where they are held anyway."""
-        return 8 * self._clip.shape[1] * (self._stop - self._start) if self._held is None else 0
+        Asked for once: pixel by pixel it is let go.
+        """
+        planes = np.ascontiguousarray(np.moveaxis(self._left, 2, 0))
+        self._left = self._left[:0]
+        return [whole_octaves(TileTransform(level, (0.0, 0.0)).power_mean(planes)) for level in levels]
+
+    def glue(self) -> Iterator[Field]:
+        """Frame by frame how far the surface that each pixel sees is in the middle frame, [H, W, 2] px.
+
+        The opposite of `places`, and found in another way: pixel by pixel from one frame to the next.
+        """
+        launcher = self._launcher
+        rest = np.zeros((*self._geometry.shape, 2), np.float32)
+        away = rest
+        for t in range(self._middle - 1, self._start - 1, -1):
+            after = _field(self._geometry.surface(t + 1))
+            away = self._glued(self._steps.glue_back, field_spline(launcher, after), away)
+        for t in range(self._start, self._stop):
+            if t > self._start:
+                motion = _field(self._geometry.surface(t))
+                away = self._glued(self._steps.glue_ahead, launcher.view(motion, wp.vec2), away)
+            away = rest if t == self._middle else away
+            yield away
+
+    def _trace(self, later: list[Field] | None) -> tuple[Field, Mask, Field]:
+        """The places of the first frame, what is usable, and what is left of noise: from the middle frame backwards,
+        then forwards.
+
+        later: takes the places of the frames after the middle one.
+        """
+        launcher, shape = self._launcher, self._geometry.shape
+        middle = self._geometry.surface(self._middle)
+        usable = launcher.array(self._inner(self._middle, middle), wp.uint8)
+        away = launcher.zeros(shape, wp.vec2)
+        gains = launcher.zeros(shape, wp.vec3)
+        self._sum_gains(away, gains)
+        for t in range(self._middle - 1, self._start - 1, -1):
+            after = self._geometry.surface(t + 1)
+            launcher.over(shape[0], self._steps.back, shape[1:], [field_spline(launcher, _field(after)), 0, away])
+            inner = self._inner(t, self._geometry.surface(t)) & ~self._meet(after)
+            self._land(inner, away, usable)
+            self._sum_gains(away, gains)
+        self._sampled.reverse()
+        first = np.array(away.numpy())
+        away.zero_()
+        moved = launcher.zeros(shape, wp.vec2)
+        for t in range(self._middle + 1, self._stop):
+            surface = self._geometry.surface(t)
+            met = self._meet(surface)
+            if met.any():
+                self._land(~met, away, usable)
+            self._step_ahead(t, 0, away, moved, usable)
+            self._land(self._inner(t, surface), away, usable)
+            self._sum_gains(away, gains)
+            if later is not None:
+                later.append(np.array(away.numpy()))
+        left = gains.numpy() / np.float32(self._stop - self._start)
+        return first, usable.numpy().astype(bool), left
+
+    def _sum_gains(self, away: Any, gains: Any) -> None:
+        launcher = self._launcher
+        left = launcher.view(table(), wp.vec3)
+        launcher.over(away.shape[0], add_gains, away.shape[1:], [away, left, gains])
+        self._sampled.append(np.array(away.numpy()[::SAMPLED, ::SAMPLED]))
+
+    def _step_ahead(self, t: int, top: int, away: Any, moved: Any, usable: Any) -> None:
+        launcher = self._launcher
+        spline = field_spline(launcher, _field(self._geometry.surface(t)))
+        launcher.over(away.shape[0], self._steps.ahead, away.shape[1:], [spline, top, away, moved, LOST, usable])
+
+    def _land(self, inner: Mask, away: Any, usable: Any) -> None:
+        launcher = self._launcher
+        landing = launcher.view(inner.view(np.uint8), wp.uint8)
+        launcher.over(away.shape[0], land, away.shape[1:], [landing, 0, away, 1 / SHRINK, usable])
+
+    def _glued(self, kernel: wp.Kernel, motion: Any, nearer: Field) -> Field:
+        """Where what a frame sees is in the middle frame, from where what its neighbour sees is."""
+        launcher, shape = self._launcher, self._geometry.shape
+        away = launcher.empty(shape, wp.vec2)
+        launcher.over(shape[0], kernel, shape[1:], [motion, field_spline(launcher, nearer), away])
+        return np.asarray(away.numpy())
+
+    def _inner(self, t: int, surface: Surface) -> Mask:
+        """[H, W], true where frame t is covered, and its motion has no edge, for MARGIN pixels all round."""
+        import cv2  # heavy
+
+        whole = surface.whole.view(np.uint8)
+        if t > 0:
+            launcher, shape = self._launcher, self._geometry.shape
+            smooth = launcher.empty(shape, wp.uint8)
+            fields = [launcher.view(_field(surface), wp.vec2), BEND, launcher.view(whole, wp.uint8), smooth]
+            launcher.over(shape[0], find_smooth, shape[1:], fields)
+            whole = smooth.numpy()
+        square = np.ones((2 * MARGIN + 1, 2 * MARGIN + 1), np.uint8)
+        return np.asarray(cv2.erode(whole, square, borderType=cv2.BORDER_CONSTANT, borderValue=0)).view(bool)
+
+    def _meet(self, surface: Surface) -> Mask:
+        """Where in the frame before surfaces of this one come from one place though they move apart.
+
+        One of them covered the other there.
+        """
+        motion = _field(surface)
+        if max(float(np.ptp(motion[..., axis])) for axis in range(2)) <= APART:
+            return np.zeros(surface.whole.shape, dtype=bool)
+        least, most = claims(self._launcher, motion, surface.whole)
+        return np.asarray(((most - least) > APART).any(axis=2))
 
 
-def follow(clip: Clip, start: int, stop: int, rows: slice = slice(None)) -> tuple[list[Places | None], Mask]:
-    """Follow the surface of a span's middle frame through frames start..stop-1.
+def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Field, Field]:
+    """Of the motions [H, W, 2] by which pixels shown come from each place of the frame before, the least and the most.
 
-    Returns for every frame the places [2, rows, W] (y, x indices, px) where the surface seen at each pixel of the
-    middle frame is seen, None for the middle frame itself; and [rows, W], true where that place is covered, off the
-    edges, and not much smaller in every frame.
+    Two fields [H, W, 2], px; infinite, and the least above the most, where none comes from.
     """
-    places: list[Places | None] = [None] * (stop - start)
-    for t, place, landed in trace(clip, start, stop, rows):
-        places[t - start] = place
-        usable = landed
-    return places, usable
+    shape = (*shown.shape, 2)
+    least = launcher.array(np.full(shape, np.inf, np.float32), wp.float32)
+    most = launcher.array(np.full(shape, -np.inf, np.float32), wp.float32)
+    shown_there = launcher.view(shown.view(np.uint8), wp.uint8)
+    launcher.launch(claim, shown.shape, [launcher.view(motion, wp.vec2), shown_there, least, most])
+    return np.asarray(least.numpy()), np.asarray(most.numpy())
 
 
-def trace(clip: Clip, start: int, stop: int, rows: slice = slice(None)) -> Iterator[tuple[int, Places | None, Mask]]:
-    """What `follow` returns, frame by frame: the middle one first, then backwards and forwards from it.
-
-    The mask holds for the frames so far.
-    """
-    middle = (start + stop - 1) // 2
-    first, last, _ = rows.indices(clip.shape[0])
-    # One row more on each side: how much smaller a surface gets is a difference of neighbours.
-    outer = slice(max(0, first - 1), min(clip.shape[0], last + 1))
-    kept = slice(first - outer.start, last - outer.start)
-    rest = np.indices((outer.stop - outer.start, clip.shape[1]), dtype=np.float64)
-    rest[0] += outer.start
-    usable = _inner(clip, middle)[outer]
-    yield middle, None, usable[kept]
-    place = rest
-    for t in range(middle - 1, start - 1, -1):
-        moved = clip.moved(t + 1)
-        place = place - _take(_spline(moved), place)
-        usable &= _lands(_inner(clip, t, moved), place)
-        yield t, place[:, kept].astype(np.float32), usable[kept]
-    place = rest
-    for t in range(middle + 1, stop):
-        moved = clip.moved(t)
-        usable &= _lands(_inner(clip, t - 1, moved), place)
-        place, found = _advance(_spline(moved), place)
-        usable &= found & _lands(_inner(clip, t), place)
-        yield t, place[:, kept].astype(np.float32), usable[kept]
-
-
-def glue(clip: Clip, start: int, stop: int) -> Iterator[NDArray[np.float64]]:
-    """Where in a span's middle frame the surface lies that each pixel of the other frames sees.
-
-    Yields places [2, H, W] (y, x indices, px) of the middle frame first, then backwards and forwards from it. The
-    opposite of `follow`, and found in another way: pixel by pixel from one frame to the next.
-    """
-    middle = (start + stop - 1) // 2
-    rest = np.indices(clip.shape, dtype=np.float64)
-    yield rest
-    place = rest
-    for t in range(middle - 1, start - 1, -1):
-        ahead, _ = _advance(_spline(clip.moved(t + 1)), rest)
-        place = ahead + _take(_coefficients(place - rest), ahead)
-        yield place
-    place = rest
-    for t in range(middle + 1, stop):
-        behind = rest - np.moveaxis(clip.moved(t), 2, 0)[::-1]
-        place = behind + _take(_coefficients(place - rest), behind)
-        yield place
-
-
-def unwarp(image: NDArray[Any], places: Places | None, usable: Mask, rows: slice) -> NDArray[np.float32]:
-    """Rows of the picture [channels, H, W] as seen from the middle frame: taken at `places` where usable, else 0."""
-    if places is None:
-        return np.where(usable, image[:, rows], 0.0).astype(np.float32)
-    seen = np.zeros((len(image), *usable.shape), dtype=np.float32)
-    where = places[:, usable].astype(np.float64)
-    for channel, plane in zip(seen, image, strict=True):
-        coefficients = ndimage.spline_filter(plane, order=IMAGE_ORDER, mode="mirror")
-        channel[usable] = ndimage.map_coordinates(
-            coefficients, where, order=IMAGE_ORDER, mode="mirror", prefilter=False
-        )
-    return seen
-
-
-def _spline(moved: NDArray[np.float64]) -> Field:
-    """Spline coefficients [2, H, W] (y, x) of a motion field [H, W, 2] (x, y)."""
-    return _coefficients(np.moveaxis(moved, 2, 0)[::-1])
-
-
-def _coefficients(planes: NDArray[np.float64]) -> Field:
-    return np.stack([ndimage.spline_filter(plane, order=FIELD_ORDER, mode="mirror") for plane in planes])
-
-
-def _take(field: Field, place: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.stack(
-        [ndimage.map_coordinates(c, place, order=FIELD_ORDER, mode="mirror", prefilter=False) for c in field]
-    )
-
-
-def _advance(field: Field, place: NDArray[np.float64]) -> tuple[NDArray[np.float64], Mask]:
-    """Solve q - field(q) = place for the place q in the next frame, by fixed-point iteration.
-
-    Returns q, and where it was found: a surface that is covered up has no place. Each pixel stops by itself.
-    """
-    target = place.reshape(2, -1)
-    ahead, found = np.empty_like(target), np.empty(target.shape[1], dtype=bool)
-    for first in range(0, target.shape[1], _POINTS):
-        some = slice(first, first + _POINTS)
-        ahead[:, some], found[some] = _solve(field, target[:, some])
-    return ahead.reshape(place.shape), found.reshape(place.shape[1:])
-
-
-def _solve(field: Field, target: NDArray[np.float64]) -> tuple[NDArray[np.float64], Mask]:
-    """The same for some points [2, n]."""
-    guess = target + _take(field, target)
-    left = np.arange(target.shape[1])
-    for _ in range(_ROUNDS):
-        better = target[:, left] + _take(field, guess[:, left])
-        moved = np.abs(better - guess[:, left]).max(axis=0)
-        guess[:, left] = better
-        left = left[moved >= _TOLERANCE]
-        if not left.size:
-            break
-    found = np.ones(target.shape[1], dtype=bool)
-    found[left] = False
-    return guess, found
-
-
-def _inner(clip: Clip, t: int, after: NDArray[np.float64] | None = None) -> Mask:
-    """[H, W], true where frame t is covered, and its motion has no edge, for MARGIN pixels all round.
-
-    after: motion into frame t + 1, to leave out where surfaces meet of which one covered the other in frame t.
-    """
-    covered = clip.covered(t)
-    whole = np.ones(clip.shape, dtype=bool) if covered is None else covered.copy()
-    if t > 0:
-        whole &= ~_bends(clip.moved(t), whole)
-    size = 2 * MARGIN + 1
-    inner = ndimage.minimum_filter(whole.astype(np.uint8), size=size, mode="constant", cval=0) > 0
-    if after is not None:
-        inner &= ~_meet(after, clip.covered(t + 1))
-    return np.asarray(inner)
-
-
-def _bends(moved: NDArray[np.float64], covered: Mask) -> Mask:
-    """Where a motion field [H, W, 2] has an edge between covered pixels."""
-    bent = np.zeros(covered.shape, dtype=bool)
-    for plane in np.moveaxis(moved, 2, 0).astype(np.float32):
-        for field, known, edge in ((plane, covered, bent), (plane.T, covered.T, bent.T)):
-            second = np.abs(np.diff(field, n=2, axis=0))
-            edge[1:-1] |= (second > BEND) & known[2:] & known[1:-1] & known[:-2]
-    return bent
-
-
-def _meet(moved: NDArray[np.float64], covered: Mask | None) -> Mask:
-    """Where surfaces of the next frame come from one place though they move apart: one covered the other there.
-
-    moved: the motion [H, W, 2] into the next frame; covered: where it is known.
-    """
-    height, width = moved.shape[:2]
-    met = np.zeros(height * width, dtype=bool)
-    planes = np.moveaxis(moved, 2, 0).astype(np.float32)
-    if max(map(np.ptp, planes)) <= APART:
-        return met.reshape(height, width)
-    column = np.rint(np.arange(width, dtype=np.float32)[None, :] - planes[0]).astype(np.int32)
-    row = np.rint(np.arange(height, dtype=np.float32)[:, None] - planes[1]).astype(np.int32)
-    inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-    if covered is not None:
-        inside &= covered
-    place = (row * width + column)[inside]
-    for plane in planes:
-        speed = plane[inside]
-        slowest = np.full(height * width, np.inf, dtype=np.float32)
-        fastest = -slowest
-        np.minimum.at(slowest, place, speed)
-        np.maximum.at(fastest, place, speed)
-        met |= fastest - slowest > APART
-    return met.reshape(height, width)
-
-
-def _lands(inner: Mask, place: NDArray[np.float64]) -> Mask:
-    """Where a place lies on an inner pixel, and a pixel's step there is no shorter than 1 / SHRINK."""
-    row, column = (np.rint(p).astype(np.intp) for p in place)
-    inside = (row >= 0) & (row < inner.shape[0]) & (column >= 0) & (column < inner.shape[1])
-    landed = inside & inner[np.where(inside, row, 0), np.where(inside, column, 0)]
-    (yy, yx), (xy, xx) = (np.gradient(p) for p in place)
-    trace, area = yy**2 + yx**2 + xy**2 + xx**2, yy * xx - yx * xy
-    shortest = np.sqrt(np.maximum(0.0, trace / 2 - np.sqrt(np.maximum(0.0, trace**2 / 4 - area**2))))
-    return np.asarray(landed & (shortest > 1 / SHRINK))
+def _field(surface: Surface) -> Field:
+    """The motion where a surface covers pixels wholly, else 0."""
+    mask = surface.mask
+    return surface.motion if mask is None else np.where(mask[..., None], surface.motion, np.float32(0.0))

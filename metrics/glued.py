@@ -6,8 +6,9 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.clip import Clip
-from metrics.correspondence import Correspondence, glue, unwarp
+from metrics.correspondence import Correspondence
+from metrics.kernels.launch import Launcher
+from metrics.kernels.pattern import pattern_at
 from metrics.synthetic import texture
 from metrics.tiles import Level
 from metrics.transform import Energy, TileTransform, energy
@@ -30,14 +31,18 @@ class TileFloor:
 
 @dataclass(frozen=True)
 class Glued:
-    """A band-limited pattern on the anchor frame of a span, followed through frames start..stop-1."""
+    """A band-limited pattern on the anchor frame of a span, followed through frames start..stop-1.
 
-    clip: Clip = field(repr=False)
+    shape: [H, W] of the frames, px. levels, bands: of the span's tiles.
+    """
+
     start: int
     stop: int
+    shape: tuple[int, int]
     levels: list[Level] = field(repr=False)
     bands: list[NDArray[np.intp]] | None = field(repr=False)
     correspondence: Correspondence = field(repr=False)
+    launcher: Launcher = field(repr=False)
     _floor: list[TileFloor] = field(default_factory=list, repr=False)
     _lock: Lock = field(default_factory=Lock, repr=False)
 
@@ -49,16 +54,17 @@ class Glued:
         return self._floor
 
     def _measure(self) -> list[TileFloor]:
-        whole = slice(0, self.clip.shape[0])
-        pattern = texture(0, limit=LIMIT, waves=WAVES)
+        whole = slice(0, self.shape[0])
+        waves = texture(0, limit=LIMIT, waves=WAVES)
         transforms = [TileTransform(level, (0.0, 0.0)) for level in self.levels]
         # Differences to the first picture seen: their sum and energy give the variance without cancellation.
         first = [np.zeros((level.count, 1, *level.spectrum_shape), dtype=np.complex64) for level in self.levels]
         summed = [np.zeros_like(spectra) for spectra in first]
         squared, total = ([np.zeros(level.count) for level in self.levels] for _ in range(2))
-        course = zip(self.correspondence.course(), glue(self.clip, self.start, self.stop), strict=True)
-        for number, (places, (y, x)) in enumerate(course):
-            seen = unwarp(pattern.at(x, y)[None, :, :, 0], places, self.correspondence.usable, whole)
+        course = zip(self.correspondence.places(whole), self.correspondence.glue(), strict=True)
+        for number, (place, there) in enumerate(course):
+            pattern = pattern_at(self.launcher, waves.frequency, waves.phase, there)
+            seen = self.correspondence.take(pattern[None], place, whole)
             for index, transform in enumerate(transforms):
                 spectra = transform.spectra(transform.blocks(seen, slice(None)))
                 total[index] += energy(spectra)

@@ -2,6 +2,9 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
+
+from numpy.typing import NDArray
 
 from metrics.spans import Span
 from metrics.tiles import Level
@@ -33,18 +36,15 @@ def parts(span: Span, held: Callable[[Level], float], room: float) -> Iterator[S
 
     held: level -> bytes that measures hold for all of its tiles. Every part has all levels, some without tiles.
     """
-    per_row = 0 if span.correspondence is None else span.correspondence.bytes_per_row()
     chosen: list[Piece] = []
     number, taken, rows = 0, 0.0, slice(0, 0)
     for piece in pieces(span):
         level = span.levels[piece.level].part(piece.tiles)
         reach = slice(int(level.origin[:, 0].min()), int(level.origin[:, 0].max()) + level.size)
-        if chosen:
-            wider = slice(min(rows.start, reach.start), max(rows.stop, reach.stop))
-            if taken + held(level) + per_row * (wider.stop - wider.start) > room:
-                yield _part(span, chosen, number, rows)
-                chosen, number, taken = [], number + 1, 0.0
-        rows = wider if chosen else reach
+        if chosen and taken + held(level) > room:
+            yield _part(span, chosen, number, rows)
+            chosen, number, taken = [], number + 1, 0.0
+        rows = slice(min(rows.start, reach.start), max(rows.stop, reach.stop)) if chosen else reach
         taken += held(level)
         chosen.append(piece)
     yield _part(span, chosen, number, rows)
@@ -58,7 +58,13 @@ def _part(span: Span, chosen: list[Piece], number: int, rows: slice) -> Span:
     return replace(
         span,
         levels=[level.part(some) for level, some in zip(span.levels, tiles, strict=True)],
-        bands=None if span.bands is None else [band[some] for band, some in zip(span.bands, tiles, strict=True)],
+        bands=_some(span.bands, tiles),
+        left=_some(span.left, tiles),
         rows=slice(0, span.shape[0]) if span.correspondence is None else rows,
         part=number,
     )
+
+
+def _some(values: list[NDArray[Any]] | None, tiles: list[slice]) -> list[NDArray[Any]] | None:
+    """For every level what belongs to some of its tiles."""
+    return None if values is None else [each[some] for each, some in zip(values, tiles, strict=True)]

@@ -5,8 +5,7 @@ from threading import Lock
 
 from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
-from metrics.spans import Span
-from metrics.spectra import Pictures
+from metrics.spans import Placement
 
 Exact = tuple[Image, Image | None]
 
@@ -34,24 +33,18 @@ class ReferenceFrames:
         """Whether the reference's own error is known."""
         return self._error is not None
 
-    def against(self, span: Span, test: Image, t: int) -> Pictures:
-        """Frame t of a test [3, H, W], in the domain, and what it is off by, aligned to a span."""
-        if span.correspondence is None:
-            exact, half = self._hold(t, lambda: self._planes(t))
-            off = span.align(test - exact, t)
-            return Pictures(span.align(test, t), off, None if half is None else span.align(half, t))
-        # Unwarping is linear, and most of the work: the difference is taken after it.
-        exact, half = self._hold((span.start, span.rows.start, span.rows.stop, t), lambda: self._aligned(span, t))
-        seen = span.align(test, t)
-        return Pictures(seen, seen - exact, half)
+    def exact(self, t: int) -> Exact:
+        """Frame t [3, H, W] in the domain, and its half-difference where it is known."""
+        return self._hold(t, lambda: self._planes(t))
 
-    def off(self, test: Image, t: int) -> Image:
-        """What frame t of a test [3, H, W], in the domain, is off by, as it lies on the screen."""
-        return test - self._hold(t, lambda: self._planes(t))[0]
+    def aligned(self, place: Placement, exact: Exact) -> Exact:
+        """The same of the frame, which is given, aligned to a span."""
+        span, (shown, half) = place.span, exact
 
-    def _aligned(self, span: Span, t: int) -> Exact:
-        exact, half = self._planes(t)
-        return span.align(exact, t), None if half is None else span.align(half, t)
+        def align() -> Exact:
+            return place.align(shown), None if half is None else place.align(half)
+
+        return self._hold((span.start, span.rows.start, span.rows.stop, place.t), align)
 
     def _planes(self, t: int) -> Exact:
         exact = self.reference.planes(t)

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
-from metrics.clip import Clip, ClipError, FrameSource
+from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
 from metrics.reference_frames import ReferenceFrames
-from metrics.spans import Alignment, Span, align
+from metrics.spans import Alignment, Placement, align
 from metrics.spectra import Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import SIZES
@@ -42,6 +42,7 @@ def measure(
     progress: Progress | None = None,
     memory: float = MEMORY,
     threads: int | None = None,
+    device: str = "cpu",
 ) -> Measurement:
     """Measure a test clip, against a reference if there is one.
 
@@ -57,6 +58,7 @@ def measure(
     memory: bytes that may be taken beside what `alignment` holds; where that is not enough for all tiles at once,
         frames are read again for some at a time. At least two frames and a few tiles are held.
     threads: how many work at a time; None: one a core. Scores are the same bits for any number and any memory.
+    device: where frames are followed and unwarped, and pixels compared: "cpu", or a GPU as "cuda:0".
     Frames are read one at a time, by one thread, and more than once. Raises ClipError for frames that cannot be
     measured and ValueError for an unknown name.
     """
@@ -69,7 +71,8 @@ def measure(
     if exact is not None and (exact.domain, exact.display) != (domain, display):
         raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
     geometry = _geometry(test, exact.reference if exact else None)
-    alignment = alignment or align(geometry, keep=False, room=memory / 4)
+    launcher = Launcher(threads=threads, device=device)
+    alignment = alignment or align(geometry, keep=False, room=memory / 4, launcher=launcher)
     steps = alignment.steps
     context = Context(
         count=test.count,
@@ -84,28 +87,40 @@ def measure(
     every_pixel = any(registry.selected(name, names) for name in WHOLE_FRAME)
     measures = [measure_type(context) for measure_type in registry.measures(names)]
 
-    def read(span: Span, t: int) -> Pictures:
-        picture = to_domain(test.planes(t), domain, display, t)
-        return Pictures(span.align(picture, t)) if exact is None else exact.against(span, picture, t)
+    whole = WholeFrame(alignment.geometry, exact is not None, launcher)
 
-    def error_of(reference: ReferenceFrames) -> FrameSource:
-        return lambda t: np.moveaxis(reference.off(to_domain(test.planes(t), domain, display, t), t), 0, 2)
+    def shown(t: int) -> Image:
+        return to_domain(test.planes(t), domain, display, t)
+
+    def read(place: Placement) -> Pictures:
+        picture, t = shown(place.t), place.t
+        found = None if exact is None else exact.exact(t)
+        off = None if found is None else picture - found[0]
+        if every_pixel and place.span.part == 0:
+            whole.add(t, off)
+        seen = place.align(picture)
+        if exact is None or found is None or off is None:
+            return Pictures(seen)
+        if place.away is None:
+            half = found[1]
+            return Pictures(seen, place.align(off), None if half is None else place.align(half))
+        # Unwarping is linear, and most of the work: the difference is taken after it.
+        reference, half = exact.aligned(place, found)
+        return Pictures(seen, seen - reference, half)
 
     notes = []
     longest = 0
     pictures = 1 + context.has_reference + context.has_floor
-    with (
-        Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep,
-        Launcher(threads=threads) as launcher,
-    ):
-        whole = WholeFrame(geometry, None if exact is None else error_of(exact), launcher)
+    with launcher, Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep:
         for span in alignment.spans:
+            whole.begin(span)
             if measures:
                 sweep.run(span, lambda done: progress and progress(done, test.count))
-            if every_pixel:
-                whole.add(span)
-                if progress and not measures:
-                    progress(span.stop, test.count)
+            elif every_pixel:
+                for t in range(span.start, span.stop):
+                    whole.add(t, None if exact is None else shown(t) - exact.exact(t)[0])
+                    if progress:
+                        progress(t + 1, test.count)
             longest = max(longest, span.count)
             if not span.levels:
                 notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
@@ -136,16 +151,7 @@ def _geometry(test: Clip, reference: Clip | None) -> Clip:
             f"the test is {test.shape[1]}x{test.shape[0]} px and the reference "
             f"{reference.shape[1]}x{reference.shape[0]} px; they must match"
         )
-    return Clip(
-        frame=test.frame,
-        count=test.count,
-        fps=test.fps,
-        motion=test.motion,
-        coverage=test.coverage or reference.coverage,
-        depth=test.depth or reference.depth,
-        pixels_per_degree=test.pixels_per_degree,
-        luminance=test.luminance,
-    )
+    return test.with_geometry(reference)
 
 
 def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, float] | None:

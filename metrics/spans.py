@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -11,15 +10,18 @@ from numpy.typing import NDArray
 
 from metrics import bands
 from metrics.clip import Clip
-from metrics.correspondence import Correspondence, Places, unwarp
+from metrics.correspondence import Correspondence
+from metrics.geometry import Field, Geometry, Mask
 from metrics.glued import Glued
-from metrics.tiles import Level, Mask, Offset, lay
+from metrics.kernels.launch import Launcher
+from metrics.tiles import Level, Offset, lay
 
 # A motion field whose values lie this near to each other is taken as uniform, px.
 UNIFORM = 1e-4
 
-# Places are held for a whole span, so a span under non-uniform motion ends here, frames.
+# Motion is held for a whole span, so a span under non-uniform motion ends here: frames, and pixels in all of them.
 LONGEST_UNWARPED = 32
+MOST_UNWARPED = 2**25
 
 # A span may be so long that this share of what a single frame would show is still measured. Under a uniform motion
 # long spans cost nothing but area; unwarped ones also lose accuracy.
@@ -37,7 +39,7 @@ LITTLE = 1 / 3
 HALF = 0.5
 
 ROOM = 256e6
-"""Bytes that the correspondences of a clip may take."""
+"""Bytes that the correspondences of a clip may take, and as much its geometry."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Span:
     measured: share of the frame that the whole span's tiles weigh, 0..1.
     covered: share of wholly covered pixels in the anchor frame.
     bands: for every level the band of distance [n] of each tile; None without depth.
+    left: for every level [n, octaves], the share of a noise's energy that unwarping leaves; None where nothing is.
     part: which part of the span's tiles these are.
     rows: rows of the anchor frame that pictures are aligned for.
     reached: [H, W], the pixels of the anchor frame that tiles weigh by one half or more.
@@ -65,6 +68,7 @@ class Span:
     measured: float
     covered: float
     bands: list[NDArray[np.intp]] | None = field(repr=False)
+    left: list[NDArray[np.float64]] | None = field(repr=False)
     rows: slice
     reached: Mask = field(repr=False)
     correspondence: Correspondence | None = field(default=None, repr=False)
@@ -75,15 +79,32 @@ class Span:
     def count(self) -> int:
         return self.stop - self.start
 
-    def align(self, image: NDArray[Any], t: int) -> NDArray[np.float32]:
-        """Frame t [channels, H, W] in the grid in which tiles lie at `offsets`; these rows only if it is unwarped."""
+    def placements(self) -> "Iterator[Placement]":
+        """Where the frames lie on the anchor frame, in the order of time."""
         if self.correspondence is None:
-            return image.astype(np.float32, copy=False)
-        return unwarp(image, self._places[t - self.start], self.correspondence.usable[self.rows], self.rows)
+            yield from (Placement(self, t) for t in range(self.start, self.stop))
+            return
+        for t, away in enumerate(self.correspondence.places(self.rows), self.start):
+            yield Placement(self, t, away)
 
-    @cached_property
-    def _places(self) -> list[Places | None]:
-        return [] if self.correspondence is None else self.correspondence.places(self.rows)
+
+@dataclass(frozen=True)
+class Placement:
+    """Where frame t of a span lies: at an offset, or unwarped.
+
+    away: how far, px (x, y), from each pixel of the span's rows of the anchor frame its surface is in this frame,
+    [rows, W, 2]; None where tiles lie at an offset.
+    """
+
+    span: Span
+    t: int
+    away: Field | None = None
+
+    def align(self, planes: NDArray[Any]) -> NDArray[np.float32]:
+        """The frame's [channels, H, W] in the grid in which tiles lie; the span's rows only if it is unwarped."""
+        if self.span.correspondence is None or self.away is None:
+            return planes.astype(np.float32, copy=False)
+        return self.span.correspondence.take(planes, self.away, self.span.rows)
 
 
 @dataclass(frozen=True)
@@ -93,62 +114,76 @@ class Alignment:
     steps: [count, 2] (y, x) px by which the whole picture moves into each frame; None if it does not move as one.
     """
 
+    geometry: Geometry
     steps: NDArray[np.float64] | None
     spans: Iterable[Span]
 
 
-def align(clip: Clip, *, keep: bool = True, room: float = ROOM) -> Alignment:
+def align(clip: Clip, *, keep: bool = True, room: float = ROOM, launcher: Launcher | None = None) -> Alignment:
     """Align a clip's frames by its motion and coverage.
 
-    keep: hold all spans, to be used again (8 bytes a pixel and frame if the motion is not uniform); else they are
-        made as they are asked for, once.
-    room: bytes that correspondences may take; what does not fit is computed again for a part of the picture at a time.
+    keep: hold all spans, to be used again; else they are made as they are asked for, once.
+    room: bytes that places may take if the motion is not uniform, and as many motion and coverage; what does not fit is
+        found or read again.
+    launcher: runs the kernels; None: one with all cores.
     """
-    steps = uniform_steps(clip)
-    together = clip.count if keep else min(clip.count, LONGEST_UNWARPED)
-    spans = plan(clip, steps, room=room / together)
-    return Alignment(steps, list(spans) if keep else spans)
+    geometry = Geometry(clip, room=room)
+    steps = uniform_steps(geometry)
+    together = clip.count if keep else min(clip.count, longest_unwarped(clip))
+    spans = plan(geometry, steps, launcher or Launcher(), room=room / together)
+    return Alignment(geometry, steps, list(spans) if keep else spans)
 
 
-def uniform_steps(clip: Clip) -> NDArray[np.float64] | None:
+def longest_unwarped(clip: Clip) -> int:
+    """Frames of a span under non-uniform motion at most."""
+    height, width = clip.shape
+    return min(LONGEST_UNWARPED, max(SHORTEST, MOST_UNWARPED // (height * width)))
+
+
+def uniform_steps(geometry: Geometry) -> NDArray[np.float64] | None:
     """[count, 2] (y, x) px by which the whole picture moves into each frame, or None if it is not so.
 
     A field is uniform if it varies by no more than UNIFORM px over the covered pixels; its mean is the step.
     """
+    clip = geometry.clip
     if not callable(clip.motion):
         return np.tile(np.asarray(clip.motion, dtype=np.float64)[::-1], (clip.count, 1))
     steps = np.zeros((clip.count, 2))
     for t in range(1, clip.count):
-        covered = clip.covered(t)
-        moved = clip.moved(t)
-        seen = moved.reshape(-1, 2) if covered is None else moved[covered]
+        surface = geometry.surface(t)
+        seen = surface.motion[surface.whole]
         if len(seen) and np.max(np.ptp(seen, axis=0)) > UNIFORM:
             return None
-        steps[t] = seen.mean(axis=0)[::-1] if len(seen) else steps[t - 1]
+        steps[t] = seen.mean(axis=0, dtype=np.float64)[::-1] if len(seen) else steps[t - 1]
     return steps
 
 
-def plan(clip: Clip, steps: NDArray[np.float64] | None, *, room: float) -> Iterator[Span]:
+def plan(geometry: Geometry, steps: NDArray[np.float64] | None, launcher: Launcher, *, room: float) -> Iterator[Span]:
     """Cut a clip in spans as long as tiles stay in view; yields them one by one, in order.
 
     The spans are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
-    room: bytes that the correspondence of a frame may take.
+    room: bytes that the places of a frame may take.
     """
-    kept, longest = (KEPT, clip.count) if steps is not None else (KEPT_UNWARPED, LONGEST_UNWARPED)
-    middle = clip.count // 2
-    enough = kept * _span(clip, middle, middle + 1, steps, room).measured
-    number = -(-clip.count // longest)
+
+    def make(start: int, stop: int) -> Span:
+        return _span(geometry, start, stop, steps, launcher, room)
+
+    count = geometry.count
+    kept, longest = (KEPT, count) if steps is not None else (KEPT_UNWARPED, longest_unwarped(geometry.clip))
+    middle = count // 2
+    enough = kept * make(middle, middle + 1).measured
+    number = -(-count // longest)
     while True:
-        edges = np.linspace(0, clip.count, number + 1).round().astype(int)
+        edges = np.linspace(0, count, number + 1).round().astype(int)
         bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
         trial = bounds[number // 2]
-        span = _span(clip, *trial, steps, room)
-        short = span.measured > LITTLE * enough and _too_short(clip.count / (2 * number), steps)
-        if span.measured >= enough or clip.count < 4 * number or short:
+        span = make(*trial)
+        short = span.measured > LITTLE * enough and _too_short(count / (2 * number), steps)
+        if span.measured >= enough or count < 4 * number or short:
             break
         number *= 2
     for bound in bounds:
-        yield span if bound == trial else _span(clip, *bound, steps, room)
+        yield span if bound == trial else make(*bound)
 
 
 def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
@@ -157,35 +192,39 @@ def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
     return count < SHORTEST or travel < SHORTEST_TRAVEL
 
 
-def _span(clip: Clip, start: int, stop: int, steps: NDArray[np.float64] | None, room: float) -> Span:
+def _span(
+    geometry: Geometry, start: int, stop: int, steps: NDArray[np.float64] | None, launcher: Launcher, room: float
+) -> Span:
     correspondence = glued = None
+    shape = geometry.shape
     if steps is None:
         anchor = (start + stop - 1) // 2
         offsets: list[Offset] = [(0.0, 0.0)] * (stop - start)
-        correspondence = Correspondence(clip, start, stop, room=room * (stop - start))
+        correspondence = Correspondence(geometry, launcher, start, stop, room=room * (stop - start))
         usable = correspondence.usable
-        levels, weight = lay(clip.shape, offsets[:1], lambda _: usable)
+        levels, weight = lay(shape, offsets[:1], lambda _: usable)
         correspondence.usable = weight > 0
     else:
         anchor = start
         travelled = np.vstack([np.zeros(2), np.cumsum(steps[start + 1 : stop], axis=0)])
         offsets = [(float(y), float(x)) for y, x in travelled]
-        levels, weight = lay(clip.shape, offsets, lambda index: clip.covered(start + index))
-    covered = clip.covered(anchor)
-    tile_bands = bands.of_tiles(clip, levels, anchor)
+        levels, weight = lay(shape, offsets, lambda index: geometry.surface(start + index).mask)
+    left = None if correspondence is None else correspondence.left_of(levels)
+    tile_bands = bands.of_tiles(geometry.clip, levels, anchor)
     if correspondence is not None:
-        glued = Glued(clip, start, stop, levels, tile_bands, correspondence)
+        glued = Glued(start, stop, shape, levels, tile_bands, correspondence, launcher)
     return Span(
         start,
         stop,
         anchor,
-        shape=clip.shape,
+        shape=shape,
         offsets=offsets,
         levels=levels,
         measured=float(np.minimum(weight, 1.0).mean()),
-        covered=1.0 if covered is None else float(covered.mean()),
+        covered=float(geometry.surface(anchor).whole.mean()),
         bands=tile_bands,
-        rows=slice(0, clip.shape[0]),
+        left=left,
+        rows=slice(0, shape[0]),
         reached=weight >= HALF,
         correspondence=correspondence,
         glued=glued,

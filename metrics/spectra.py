@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
+from metrics.octaves import OCTAVES
 from metrics.parts import pieces
 from metrics.spans import Span
-from metrics.transform import OCTAVES, Energy, Picture, Spectrum, TileTransform, energy, octave_energy, squares
+from metrics.transform import Energy, Picture, Spectrum, TileTransform, energy, octave_energy, squares
 
 
 @dataclass(frozen=True)
@@ -108,14 +109,15 @@ class RunningMean:
     """Mean over time of locked spectra, and the energy of the variation about it (Welford 1962).
 
     mean: for every level [n, 3, L, L/2 + 1]. varied: for every level, sum over frames of |X - mean|^2: [n], or
-    [n, octaves].
+    [n, octaves], as it is where unwarping takes some of the energy of octaves.
     """
 
     def __init__(self, span: Span, *, octaves: bool = False) -> None:
+        octaves = octaves or span.left is not None
         self.mean = [np.zeros((level.count, 3, *level.spectrum_shape), dtype=np.complex64) for level in span.levels]
         self.varied = [np.zeros((level.count, len(OCTAVES)) if octaves else level.count) for level in span.levels]
         self._energy = octave_energy if octaves else energy
-        self._start = span.start
+        self._start, self._left = span.start, span.left
 
     def add(self, batch: Batch, spectra: Spectrum) -> None:
         """Take in the next frame's spectra of the batch's tiles."""
@@ -130,9 +132,11 @@ class RunningMean:
     def split(self, level: int, count: int) -> tuple[Energy, Energy]:
         """Energies over `count` frames of what is static and of what varies, each [n], or [n, octaves].
 
-        They add up to the whole. By Bessel's correction what varies independently from frame to frame, such as noise,
-        has no static part on average (which may make a static energy negative by chance); without it 1 / count.
+        They add up to the whole, and what unwarping took is given back. By Bessel's correction what varies
+        independently from frame to frame, such as noise, has no static part on average (which may make a static energy
+        negative by chance); without it 1 / count.
         """
         varied = self.varied[level]
         excess = varied / max(1, count - 1)
-        return count * self._energy(self.mean[level]) - excess, varied + excess
+        left = 1.0 if self._left is None else self._left[level]
+        return (count * self._energy(self.mean[level]) - excess) / left, (varied + excess) / left

@@ -3,12 +3,13 @@
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from types import TracebackType
 
 from metrics.machine import cores
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
-from metrics.spans import Span
+from metrics.spans import Placement, Span
 from metrics.spectra import Batch, Pictures, transforms
 from metrics.tiles import Level
 from metrics.transform import TileTransform
@@ -19,14 +20,14 @@ CHUNK = 4
 # Share of the memory for two chunks of frames.
 _FRAMES = 0.2
 
-# Bytes a pixel while a frame is read, and while a correspondence is followed, in double precision.
+# Bytes a pixel while a frame is read, and while it is unwarped.
 _READING = 60.0
-_FOLLOWING = 300.0
+_UNWARPING = 120.0
 
 # Share of the memory that spectra and places may take at least: less would have frames read too often.
 _LEAST = 0.15
 
-Read = Callable[[Span, int], Pictures]
+Read = Callable[[Placement], Pictures]
 Ready = tuple[int, Pictures, list[TileTransform]]
 
 
@@ -36,7 +37,7 @@ class Sweep:
     def __init__(
         self, measures: Sequence[Measure], read: Read, *, pictures: int, memory: float, threads: int | None
     ) -> None:
-        """read: a part of a span, frame -> `pictures` pictures, aligned."""
+        """read: where a frame lies on a part of a span -> `pictures` pictures, aligned."""
         self._measures, self._read, self._memory = measures, read, memory
         self._frame = 12.0 * pictures
         self._pool = ThreadPoolExecutor(threads or cores())
@@ -52,7 +53,7 @@ class Sweep:
         height, width = span.shape
         frame = self._frame * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
-        making = _READING if span.correspondence is None else _FOLLOWING
+        making = _READING if span.correspondence is None else _UNWARPING
         room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - making * height * width)
         some = deque(parts(span, self._held, room))
         total = len(some)
@@ -72,18 +73,18 @@ class Sweep:
 
     def _feed(self, part: Span, chunk: int) -> Iterator[int]:
         """Feed a part of a span; yields how many of its frames are done."""
-        chunks = [range(t, min(t + chunk, part.stop)) for t in range(part.start, part.stop, chunk)]
-        upcoming = [self._ready(part, t) for t in chunks[0]]
-        for following in [*chunks[1:], range(0)]:
+        placements = part.placements()
+        upcoming = [self._ready(place) for place in islice(placements, chunk)]
+        while upcoming:
             current = upcoming
             jobs = [self._pool.submit(self._follow, current, *piece) for piece in enumerate(pieces(part))]
-            upcoming = [self._ready(part, t) for t in following]
+            upcoming = [self._ready(place) for place in islice(placements, chunk)]
             for job in jobs:
                 job.result()
             yield from (t + 1 - part.start for t, *_ in current)
 
-    def _ready(self, part: Span, t: int) -> Ready:
-        return t, self._read(part, t), transforms(part, t)
+    def _ready(self, place: Placement) -> Ready:
+        return place.t, self._read(place), transforms(place.span, place.t)
 
     def _follow(self, frames: Sequence[Ready], number: int, piece: Piece) -> None:
         """Feed a piece of tiles frame by frame."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.clip import Clip
-from metrics.transform import OCTAVES
+from metrics.octaves import OCTAVES
 
 Array = NDArray[np.float64]
 Kind = Literal["glued", "screen-fixed", "swimming", "noise", "blinking"]

@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from metrics.octaves import OCTAVES
 from metrics.tiles import Level, split, window
 
-OCTAVES = (0.0, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
-"""Where octaves of |k| begin, cycles/px; the last one holds the corners beyond the pixel Nyquist."""
+# Tiles that are looked at together where there are no batches.
+_SOME = 32
 
 Spectrum = NDArray[np.complex64]
 Picture = NDArray[np.float32]
@@ -63,6 +64,15 @@ class TileTransform:
         blocks: Picture = every[y, x]
         blocks *= self.window
         return blocks
+
+    def power_mean(self, planes: Picture) -> Energy:
+        """[n, channels], mean of a picture [channels, H, W] over each tile, by the squared window."""
+        found = np.empty((len(self.origin), len(planes)))
+        for first in range(0, len(found), _SOME):
+            tiles = slice(first, first + _SOME)
+            blocks = self.blocks(planes, tiles)
+            found[tiles] = np.vecdot(blocks.reshape(*blocks.shape[:2], -1), self.window.ravel())
+        return found / self.weight
 
     def mean(self, blocks: Picture) -> Energy:
         """[n, 3], Hann-weighted mean of each windowed block's picture."""

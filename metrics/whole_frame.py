@@ -9,22 +9,24 @@ of this the share that flickers is given back, so that noise reads its own energ
 without that surface in the frame before has just come into view.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
-from scipy import ndimage
 
-from metrics.clip import Clip, Image
-from metrics.kernels.launch import Launcher, Strip
-from metrics.kernels.pairs import compare_pairs
+from metrics.clip import Image
+from metrics.correspondence import claims
+from metrics.geometry import Field, Geometry, Mask, Surface
+from metrics.kernels.launch import Launcher
+from metrics.kernels.pairs import COLUMNS, compare_pairs, mark_landed, own_places, sum_blocks
+from metrics.kernels.pattern import pattern_at
 from metrics.measurement import Measurement, Metric
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.synthetic import centres, texture
+from metrics.synthetic import texture
 
 ALIKE = 0.3
 """Pixels whose motion differs by less show the same surface, px a frame."""
@@ -49,104 +51,94 @@ SCORES = {
     "new.fraction": Metric("1", "information", "share of covered pixels that the frame before does not show", _CLASS),
 }
 
-Field = NDArray[np.float32]
-Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """What a frame shows: where, [H, W], and how it moved since the frame before, [H, W, 2] px (x, y).
-
-    known: whether the motion is known, which that of the first frame need not be. uniform: whether it is one for all.
-    """
-
-    covered: Mask
-    motion: Field
-    known: bool
-    uniform: bool = False
+Blocks = dict[str, NDArray[np.float64]]
 
 
 @dataclass
 class WholeFrame:
-    """Takes in a clip frame by frame, in order.
+    """Takes in a clip frame by frame, in order."""
 
-    geometry: the clip's motion and coverage. error: frame -> [H, W, 3], test minus reference; None without one.
-    """
-
-    geometry: Clip
-    error: Callable[[int], Image] | None
+    geometry: Geometry
+    has_reference: bool
     launcher: Launcher
     _frames: list[dict[str, Any]] = field(default_factory=list)
-    _blocks: dict[str, Any] = field(default_factory=dict)
-    _before: tuple[Surface, Image | None] | None = None
+    _blocks: Blocks = field(default_factory=dict)
+    _last: Image | None = None
 
-    def add(self, span: Span) -> None:
-        """Measure the next span."""
-        for t, reached in reached_pixels(span):
-            surface = surface_of(self.geometry, t)
-            error = None if self.error is None else np.ascontiguousarray(self.error(t), np.float32)
-            self._frame(t, reached & surface.covered, surface, error, floor=t == span.start + span.count // 2)
-            self._before = surface, error
+    def begin(self, span: Span) -> None:
+        """The frames of the next span follow."""
+        self._reached = reached_pixels(span, self.launcher)
+        self._middle = (span.start + span.stop) // 2
 
-    def _frame(self, t: int, reached: Mask, surface: Surface, error: Image | None, *, floor: bool) -> None:
-        blank = np.zeros((*reached.shape, 3), np.float32)
-        if self._before is None:
-            pairs = np.zeros((*reached.shape, 4), np.float32)
-        else:
-            before, last = self._before
-            owner = shown_before(surface, before)
-            pairs = self._compare(blank if error is None else error, blank if last is None else last, surface, owner)
-        seen = pairs[..., 0] > 0
-        classes = {
-            "measured": reached,
-            "edges": surface.covered & ~reached & seen,
-            "new": surface.covered & ~reached & ~seen,
-        }
-        for name, inside in classes.items():
-            self._put(f"{name} pixels", inside)
-        self._put("covered pixels", surface.covered)
+    def add(self, t: int, error: Image | None) -> None:
+        """The next frame's error [3, H, W], test minus reference; None without one."""
+        surface = self.geometry.surface(t)
+        reached = next(self._reached) & surface.covered
+        error = np.zeros((3, *reached.shape), np.float32) if error is None else np.asarray(error, np.float32)
+        owner = None
+        pairs = self.launcher.zeros(reached.shape, wp.vec4)
+        if self._last is not None:
+            owner = shown_before(surface, self.geometry.surface(t - 1), self.launcher)
+            pairs = self._compare(error, self._last, surface, owner, reached)
+        self._last = error
+        sums = self._sum(surface.covered, reached, pairs, error)
         row: dict[str, Any] = {"frame": t}
-        if error is not None:
-            squared = np.mean(np.square(error, dtype=np.float64), axis=2)
-            self._put("frame", np.where(surface.covered, squared, 0.0))
-            row["frame_mse"] = _mean(squared, surface.covered)
-            for name in ("edges", "new"):
-                self._put(name, np.where(classes[name], squared, 0.0))
-                row[f"{name}_mse"] = _mean(squared, classes[name])
-            flicker = pair_flicker(pairs, classes["edges"])
-            self._put("edges flicker", flicker)
-            row["edges_flicker"] = _mean(flicker, classes["edges"])
-        if floor and self._before is not None and classes["edges"].any():
-            pairs = self._glued(surface, owner)
-            self._put("glued flicker", pair_flicker(pairs, classes["edges"]))
-            self._put("glued energy", np.where(classes["edges"], pairs[..., 3], 0.0))
-        self._frames.append({key: value for key, value in row.items() if value is not None})
+        for name in CLASSES:
+            self._put(f"{name} pixels", sums[name])
+        covered = np.sum([sums[name] for name in CLASSES], axis=0)
+        self._put("covered pixels", covered)
+        if self.has_reference:
+            flicker = pair_flicker(sums)
+            for name, values, pixels in (
+                ("frame", sums["squared"], covered),
+                ("edges", sums["edges squared"], sums["edges"]),
+                ("new", sums["new squared"], sums["new"]),
+                ("edges flicker", flicker, sums["edges"]),
+            ):
+                self._put(name, values)
+                if pixels.sum() > 0:
+                    key = "edges_flicker" if name == "edges flicker" else f"{name}_mse"
+                    row[key] = float(values.sum() / pixels.sum())
+        self._frames.append(row)
+        if t == self._middle and owner is not None and sums["edges"].any():
+            self._measure_floor(surface, reached, owner)
 
-    def _glued(self, surface: Surface, owner: Field) -> Field:
+    def _measure_floor(self, surface: Surface, reached: Mask, owner: Any) -> None:
         """Pairs of a pattern that is glued to the surface by the motion."""
-        pattern = texture(0, **_PATTERN)  # type: ignore[arg-type]
-        x, y = centres(*surface.covered.shape)
-        # A pattern over a row and a column is made faster than over every place.
-        moved = surface.motion[0, 0] if surface.uniform else surface.motion.astype(np.float64)
-        here = pattern.at(x - moved[..., 0], y - moved[..., 1]).astype(np.float32)
-        return self._compare(here, pattern.at(x, y).astype(np.float32), surface, owner)
+        waves = texture(0, **_PATTERN)  # type: ignore[arg-type]
+        rest = np.zeros_like(surface.motion)
+        here, before = (
+            np.stack([pattern_at(self.launcher, waves.frequency, waves.phase + c, away) for c in range(3)])
+            for away in (-surface.motion, rest)
+        )
+        pairs = self._compare(here, before, surface, owner, reached)
+        sums = self._sum(surface.covered, reached, pairs, here)
+        self._put("glued flicker", pair_flicker(sums))
+        self._put("glued energy", sums["energy"])
 
-    def _compare(self, frame: Image, before: Image, surface: Surface, owner: Field) -> Field:
-        launcher = self.launcher
-        height, width = surface.covered.shape
+    def _compare(self, frame: Image, before: Image, surface: Surface, owner: Any, reached: Mask) -> Any:
+        """What `compare_pairs` finds of the pixels that tiles do not reach."""
+        launcher, (height, width) = self.launcher, reached.shape
+        skipped = reached | ~surface.covered
         found = launcher.empty((height, width), wp.vec4)
-        pictures = [launcher.array(each, wp.vec3) for each in (frame, before)]
-        fields = [launcher.array(each, wp.vec2) for each in (surface.motion, owner)]
+        pictures = [launcher.view(each, wp.float32) for each in (frame, before)]
+        fields = [launcher.view(surface.motion, wp.vec2), owner, ALIKE]
+        masks = [launcher.view(skipped.view(np.uint8), wp.uint8), found]
+        launcher.over(height, compare_pairs, (width,), [*pictures, *fields, *masks])
+        return found
 
-        def compare(strip: Strip) -> None:
-            inputs = [strip.first, *pictures, *fields, ALIKE, found]
-            launcher.launch(compare_pairs, (strip.rows, width), inputs)
+    def _sum(self, covered: Mask, reached: Mask, pairs: Any, error: Image) -> Blocks:
+        """Sums of every block [n], in the order of rows."""
+        launcher = self.launcher
+        down, right = (-(-length // BLOCK) for length in covered.shape)
+        sums = launcher.zeros((down, right, len(COLUMNS)), wp.float64)
+        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
+        inputs = [BLOCK, *masks, pairs, launcher.view(error, wp.float32), sums]
+        launcher.each(range(down), lambda row: launcher.launch(sum_blocks, (1, right), [row, *inputs]))
+        return dict(zip(COLUMNS, sums.numpy().reshape(-1, len(COLUMNS)).T, strict=True))
 
-        launcher.each(launcher.strips(height), compare)
-        return np.asarray(found.numpy(), np.float32)
-
-    def _put(self, name: str, values: NDArray[Any]) -> None:
-        self._blocks[name] = self._blocks.get(name, 0.0) + block_sums(values)
+    def _put(self, name: str, values: NDArray[np.float64]) -> None:
+        self._blocks[name] = self._blocks.get(name, 0.0) + values
 
     def finish(self) -> Measurement:
         """Scores, and the errors of each frame."""
@@ -176,63 +168,29 @@ class WholeFrame:
         found.put(score, ratios.value(part), "", error=ratios.error(part) or 0.0, replicates=ratios.replicates(part))
 
 
-def surface_of(clip: Clip, t: int) -> Surface:
-    """What frame t of a clip shows, silhouettes included.
-
-    A pixel whose centre no surface covers takes the motion of the nearest neighbour that has one.
-    """
-    share = clip.share(t)
-    covered = np.ones(clip.shape, dtype=bool) if share is None else share > 0
-    if not callable(clip.motion):
-        motion = np.broadcast_to(np.asarray(clip.motion, np.float32), (*clip.shape, 2))
-        return Surface(covered, motion, known=True, uniform=True)
-    motion = np.nan_to_num(np.asarray(clip.motion(t), dtype=np.float32))
-    depth = clip.distance(t)
-    if depth is not None:
-        bare = covered & ~(depth > 0)
-        if bare.any() and not bare[covered].all():
-            _, (row, column) = ndimage.distance_transform_edt(~(depth > 0), return_indices=True)
-            motion = motion.copy()
-            motion[bare] = motion[row[bare], column[bare]]
-    return Surface(covered, motion, known=t > 0 or bool(motion.any()))
-
-
-def shown_before(surface: Surface, before: Surface) -> Field:
-    """How what each pixel of the frame before shows moves into this frame, [H, W, 2] px; NaN where it is not known.
+def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
+    """How what each pixel of the frame before shows moves into this frame, [H, W] px, NaN where it is not known.
 
     Pixels of this frame claim the places that they come from. Where claims differ, one of the surfaces was hidden, and
     the motion that the frame before has itself decides; so it does where a place is claimed by none.
     """
-    height, width = surface.covered.shape
+    covered = before.covered
     if surface.uniform:
-        return np.where(before.covered[..., None], surface.motion, np.float32(np.nan))
+        return launcher.view(np.where(covered[..., None], surface.motion, np.float32(np.nan)), wp.vec2)
     own = before.motion if before.known else np.full_like(before.motion, np.nan)
-    row, column = np.nonzero(surface.covered)
-    moved = surface.motion[row, column]
-    r, c = np.rint(row - moved[:, 1]).astype(np.intp), np.rint(column - moved[:, 0]).astype(np.intp)
-    inside = (r >= 0) & (r < height) & (c >= 0) & (c < width)
-    place, moved = (r * width + c)[inside], moved[inside]
-    claims = np.empty((height * width, 2), np.float32)
-    apart = np.zeros(height * width, dtype=bool)
-    for axis in range(2):
-        least = np.full(height * width, np.inf, np.float32)
-        most = -least
-        np.minimum.at(least, place, moved[:, axis])
-        np.maximum.at(most, place, moved[:, axis])
-        with np.errstate(invalid="ignore"):
-            claims[:, axis] = (least + most) / 2
-            apart |= ~(most - least <= ALIKE)
-    claims[apart] = own.reshape(-1, 2)[apart]
-    claims[~before.covered.ravel()] = np.nan
-    return claims.reshape(height, width, 2)
+    limits = [launcher.view(limit, wp.float32) for limit in claims(launcher, surface.motion, surface.covered)]
+    owner = launcher.empty(covered.shape, wp.vec2)
+    fields = [launcher.view(own, wp.vec2), launcher.view(covered.view(np.uint8), wp.uint8), ALIKE, owner]
+    launcher.over(covered.shape[0], own_places, covered.shape[1:], [*limits, *fields])
+    return owner
 
 
-def pair_flicker(pairs: Field, inside: Mask) -> NDArray[np.float64]:
-    """Flicker [H, W] of the pixels inside, from what `compare_pairs` found.
+def pair_flicker(sums: Blocks) -> NDArray[np.float64]:
+    """Flicker of every block's edges [n], summed over their pixels.
 
-    Of the energy that interpolation takes, the share that flickers is added to all pixels in proportion.
+    Of the energy that interpolation takes, the share that flickers is added to all in proportion.
     """
-    difference, smooth, energy = (np.where(inside, pairs[..., k], 0.0).astype(np.float64) for k in (1, 2, 3))
+    difference, smooth, energy = (sums[name] for name in ("difference", "smooth", "energy"))
     half, lost, total = difference.sum() / 2, energy.sum() - smooth.sum(), energy.sum()
     if half <= 0 or total <= 0:
         return np.asarray(difference / 2)
@@ -242,10 +200,10 @@ def pair_flicker(pairs: Field, inside: Mask) -> NDArray[np.float64]:
     return np.asarray(difference / 2 * max(1.0, mended / half))
 
 
-def reached_pixels(span: Span) -> Iterator[tuple[int, Mask]]:
+def reached_pixels(span: Span, launcher: Launcher) -> Iterator[Mask]:
     """Frame by frame of a span, in order, the pixels [H, W] where the surface is that its tiles reach."""
     if span.correspondence is None:
-        for t, offset in zip(range(span.start, span.stop), span.offsets, strict=True):
+        for offset in span.offsets:
             moved = np.zeros_like(span.reached)
             height, width = span.shape
             down = min(max(round(offset[0]), -height), height)
@@ -253,33 +211,19 @@ def reached_pixels(span: Span) -> Iterator[tuple[int, Mask]]:
             to = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
             of = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
             moved[to] = span.reached[of]
-            yield t, moved
+            yield moved
         return
-    masks: dict[int, Mask] = {}
-    order = [*range(span.anchor, span.start - 1, -1), *range(span.anchor + 1, span.stop)]
-    for t, places in zip(order, span.correspondence.course(), strict=True):
-        masks[t] = span.reached if places is None else _landed(places, span.reached)
-    yield from sorted(masks.items())
+    for t, away in enumerate(span.correspondence.places(slice(0, span.shape[0])), span.start):
+        yield span.reached if t == span.anchor else _landed(away, span.reached, launcher)
 
 
-def _landed(places: Field, reached: Mask) -> Mask:
+def _landed(away: Field, reached: Mask, launcher: Launcher) -> Mask:
     """Pixels that some of the reached ones land on; what magnification leaves open is closed."""
-    landed = np.zeros_like(reached)
-    row, column = (np.rint(place[reached]).astype(np.intp) for place in places)
-    inside = (row >= 0) & (row < reached.shape[0]) & (column >= 0) & (column < reached.shape[1])
-    landed[row[inside], column[inside]] = True
-    return np.asarray(ndimage.binary_closing(landed, np.ones((3, 3), dtype=bool)) | landed)
+    import cv2  # heavy
 
-
-def block_sums(values: NDArray[Any]) -> NDArray[np.float64]:
-    """Sums of [H, W] values over blocks of BLOCK x BLOCK pixels, in the order of rows."""
-    height, width = values.shape
-    down, right = -(-height // BLOCK), -(-width // BLOCK)
-    padded = np.zeros((down * BLOCK, right * BLOCK))
-    padded[:height, :width] = values
-    return np.asarray(padded.reshape(down, BLOCK, right, BLOCK).sum(axis=(1, 3)).ravel())
-
-
-def _mean(values: NDArray[np.float64], inside: Mask) -> float | None:
-    count = int(inside.sum())
-    return float(values[inside].sum() / count) if count else None
+    landed = launcher.zeros(reached.shape, wp.uint8)
+    inputs = [launcher.view(reached.view(np.uint8), wp.uint8), launcher.view(away, wp.vec2), landed]
+    launcher.over(reached.shape[0], mark_landed, reached.shape[1:], inputs)
+    square = np.ones((3, 3), np.uint8)
+    closed = cv2.morphologyEx(landed.numpy(), cv2.MORPH_CLOSE, square, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    return np.asarray((closed > 0) | (landed.numpy() > 0))

@@ -15,6 +15,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
 import warp as wp
 
 from metrics.machine import cores, user
@@ -85,6 +86,19 @@ class Launcher:
             wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
             self._loaded.add(kernel)
 
+    def over(
+        self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1
+    ) -> None:
+        """Run a kernel over rows of a picture in strips; its first input is a strip's first row.
+
+        Its dim is (rows, *width), or a thread takes `each` rows.
+        """
+
+        def run(strip: Strip) -> None:
+            self.launch(kernel, (-(-strip.rows // each), *width), [strip.first, *inputs])
+
+        self.each(self.strips(rows), run)
+
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
         return wp.empty(shape, dtype=dtype, device=self.device)
@@ -96,6 +110,11 @@ class Launcher:
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
         return wp.array(values, dtype=dtype, device=self.device)
+
+    def view(self, values: Any, dtype: Any) -> Any:
+        """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""
+        held = np.ascontiguousarray(values)
+        return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
 
 
 @contextmanager

@@ -1,8 +1,12 @@
-"""A frame against the frame before it, pixel by pixel, taken from the same surface only."""
+"""A frame against the frame before it, pixel by pixel, from the same surface only; and sums by class of pixels."""
 
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
+
+COLUMNS = ("measured", "edges", "new", "squared", "edges squared", "new squared", "difference", "smooth", "energy")
+"""What `sum_blocks` sums: pixels of each class, squared errors of all covered ones and of two classes, and what
+`compare_pairs` found of edges."""
 
 
 @wp.func
@@ -23,23 +27,55 @@ def hat(x: wp.float32) -> wp.float32:
 
 
 @wp.kernel
-def compare_pairs(
-    first_row: wp.int32,
-    frame: wp.array2d(dtype=wp.vec3),
-    before: wp.array2d(dtype=wp.vec3),
+def own_places(
+    first: wp.int32,
+    least: wp.array3d(dtype=wp.float32),
+    most: wp.array3d(dtype=wp.float32),
     motion: wp.array2d(dtype=wp.vec2),
-    surface: wp.array2d(dtype=wp.vec2),
+    covered: wp.array2d(dtype=wp.uint8),
     alike: wp.float32,
+    owner: wp.array2d(dtype=wp.vec2),
+):
+    """owner: motion into this frame of what each pixel of the frame before shows, px; NaN where it is not known.
+
+    That of the pixels that claim it where they agree (see `follow.claim`), else what the frame before has itself.
+    """
+    row, column = wp.tid()
+    row += first
+    low = wp.vec2(least[row, column, 0], least[row, column, 1])
+    high = wp.vec2(most[row, column, 0], most[row, column, 1])
+    found = motion[row, column]
+    # Where nothing claims the place these are infinite, and no comparison holds.
+    if high[0] - low[0] <= alike and high[1] - low[1] <= alike and high[0] >= low[0]:
+        found = (low + high) / 2.0
+    if covered[row, column] == wp.uint8(0):
+        found = wp.vec2(wp.nan, wp.nan)
+    owner[row, column] = found
+
+
+@wp.kernel
+def compare_pairs(
+    first: wp.int32,
+    frame: wp.array3d(dtype=wp.float32),
+    before: wp.array3d(dtype=wp.float32),
+    motion: wp.array2d(dtype=wp.vec2),
+    owner: wp.array2d(dtype=wp.vec2),
+    alike: wp.float32,
+    skipped: wp.array2d(dtype=wp.uint8),
     found: wp.array2d(dtype=wp.vec4),
 ):
     """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
-    interpolated and not. Squares are means over channels.
+    interpolated and not. Squares are means over channels. All 0 where skipped.
 
-    motion: of the frame's pixels, px since the frame before. surface: motion of what each pixel of the frame before
-    shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike` px.
+    frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
+    of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`
+    px.
     """
     row, column = wp.tid()
-    i = first_row + row
+    i = first + row
+    found[i, column] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+    if skipped[i, column] != wp.uint8(0):
+        return
     moved = motion[i, column]
     x = wp.float32(column) - moved[0]
     y = wp.float32(i) - moved[1]
@@ -53,12 +89,12 @@ def compare_pairs(
         for right in range(4):
             r = top + down
             c = left + right
-            if r >= 0 and r < before.shape[0] and c >= 0 and c < before.shape[1]:
-                away = surface[r, c] - moved
+            if r >= 0 and r < owner.shape[0] and c >= 0 and c < owner.shape[1]:
+                away = owner[r, c] - moved
                 if wp.abs(away[0]) < alike and wp.abs(away[1]) < alike:
                     dx = wp.float32(c) - x
                     dy = wp.float32(r) - y
-                    there = before[r, c]
+                    there = wp.vec3(before[0, r, c], before[1, r, c], before[2, r, c])
                     weight = cubic(dx) * cubic(dy)
                     total += weight
                     value += weight * there
@@ -67,7 +103,55 @@ def compare_pairs(
                     square += weight * wp.dot(there, there)
     if total > 0.5 and near > 0.0:
         value = value / total
-        off = frame[i, column] - value
+        off = wp.vec3(frame[0, i, column], frame[1, i, column], frame[2, i, column]) - value
         found[i, column] = wp.vec4(1.0, wp.dot(off, off) / 3.0, wp.dot(value, value) / 3.0, square / near / 3.0)
-    else:
-        found[i, column] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+
+
+@wp.kernel
+def sum_blocks(
+    first: wp.int32,
+    size: wp.int32,
+    covered: wp.array2d(dtype=wp.uint8),
+    reached: wp.array2d(dtype=wp.uint8),
+    pairs: wp.array2d(dtype=wp.vec4),
+    error: wp.array3d(dtype=wp.float32),
+    sums: wp.array3d(dtype=wp.float64),
+):
+    """sums: of each block of size x size pixels, one a thread, the COLUMNS."""
+    row, column = wp.tid()
+    row += first
+    for y in range(row * size, wp.min((row + 1) * size, covered.shape[0])):
+        for x in range(column * size, wp.min((column + 1) * size, covered.shape[1])):
+            if covered[y, x] != wp.uint8(0):
+                off = wp.vec3(error[0, y, x], error[1, y, x], error[2, y, x])
+                squared = wp.float64(wp.dot(off, off)) / wp.float64(3.0)
+                pair = pairs[y, x]
+                sums[row, column, 3] += squared
+                if reached[y, x] != wp.uint8(0):
+                    sums[row, column, 0] += wp.float64(1.0)
+                elif pair[0] > 0.0:
+                    sums[row, column, 1] += wp.float64(1.0)
+                    sums[row, column, 4] += squared
+                    sums[row, column, 6] += wp.float64(pair[1])
+                    sums[row, column, 7] += wp.float64(pair[2])
+                    sums[row, column, 8] += wp.float64(pair[3])
+                else:
+                    sums[row, column, 2] += wp.float64(1.0)
+                    sums[row, column, 5] += squared
+
+
+@wp.kernel
+def mark_landed(
+    first: wp.int32,
+    reached: wp.array2d(dtype=wp.uint8),
+    away: wp.array2d(dtype=wp.vec2),
+    landed: wp.array2d(dtype=wp.uint8),
+):
+    """Mark the pixels that reached ones land on; several may write, but all the same."""
+    row, column = wp.tid()
+    row += first
+    if reached[row, column] != wp.uint8(0):
+        x = column + wp.int32(wp.rint(away[row, column][0]))
+        y = row + wp.int32(wp.rint(away[row, column][1]))
+        if x >= 0 and y >= 0 and x < landed.shape[1] and y < landed.shape[0]:
+            landed[y, x] = wp.uint8(1)

@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from metrics import Clip, Measurement, ReferenceFrames, align, measure
+from metrics import Clip, Measurement, align, measure
 from metrics.machine import peak_memory
-from metrics.spans import Span
+from metrics.spans import Placement, Span
 from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import Level
@@ -52,11 +52,10 @@ def time_measures(
     test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
     reference = Clip(lambda _: still, frames, motion=VELOCITY)
 
-    exact = ReferenceFrames(reference)
-
     def transform() -> None:
-        def read(span: Span, t: int) -> Pictures:
-            return exact.against(span, test.planes(t), t)
+        def read(place: Placement) -> Pictures:
+            picture = test.planes(place.t)
+            return Pictures(picture, picture - reference.planes(place.t))
 
         with Sweep([_Spectra()], read, pictures=2, memory=memory, threads=threads) as sweep:
             for span in align(test, keep=False).spans:

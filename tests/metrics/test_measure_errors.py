@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from metrics import METRICS, Clip, Measurement, measure, measure_scales, quantisation, resolved, synthetic
+from metrics.octaves import OCTAVES
 from metrics.ratios import BLOCKS, RUN, Ratios, difference_error, jackknife, logarithmic_mean, overlap
-from metrics.transform import OCTAVES
 
 MOTION = (23 / 32, 19 / 32)
 

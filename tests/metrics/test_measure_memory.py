@@ -1,6 +1,5 @@
 """Memory is bounded, and neither that nor the number of threads changes a score."""
 
-import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 import metrics.sweep
 from metrics import Clip, measure
+from metrics.geometry import Geometry
 from metrics.parts import parts, pieces
 from metrics.spans import align
 from metrics.synthetic import Rotation, centres, texture
@@ -60,25 +60,33 @@ def test_scores_are_the_same_in_a_tenth_of_the_memory(clips, found, tolerance, m
     )
 
 
-def test_places_of_one_part_at_a_time_are_held(clips, monkeypatch):
-    """Each part lets its correspondence go; where all moves as one there is none."""
+@pytest.mark.parametrize("frames", [0, 3, COUNT])
+def test_surfaces_are_held_while_there_is_room(clips, frames):
+    test, _ = clips
+    one = Geometry(test, room=0).surface(1)
+    reads = []
+    counted = replace(test, depth=None, coverage=lambda t: reads.append(t) or test.coverage(t))
+    geometry = Geometry(counted, room=frames * one.nbytes)
+    for t in [*range(COUNT), *range(COUNT - 1, -1, -1)]:
+        assert np.array_equal(geometry.surface(t).covered, one.covered)
+    assert sorted(set(reads)) == list(range(COUNT))
+    # The last one asked for is always held.
+    assert len(reads) == 2 * COUNT - max(1, frames)
+
+
+def test_a_file_is_read_once(clips):
+    reads = []
+
+    def counted(name, source):
+        return lambda t: reads.append((name, t)) or source(t)
+
     test, reference = clips
-    made, most = [], [0]
-
-    def watched(*args):
-        some = list(parts(*args))
-        made.extend(weakref.ref(part) for part in some)
-        return some
-
-    def frame(t):
-        spans = [part() for part in made]
-        most[0] = max(most[0], sum("_places" in vars(span) for span in spans if span is not None))
-        return test.frame(t)
-
-    monkeypatch.setattr(metrics.sweep, "parts", watched)
-    measure(replace(test, frame=frame), reference, memory=9e6)
-    assert len(made) >= 2
-    assert most[0] == callable(test.motion)
+    sources = {"frame": test.frame, "coverage": test.coverage}
+    if callable(test.motion):
+        sources["motion"] = test.motion
+    watched = replace(test, **{name: counted(name, source) for name, source in sources.items()})
+    measure(watched, replace(reference, frame=counted("reference", reference.frame)))
+    assert len(reads) == len(set(reads)) == (len(sources) + 1) * COUNT
 
 
 def test_scores_are_the_same_bits_for_any_number_of_threads(clips, found):

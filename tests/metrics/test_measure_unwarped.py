@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from occluder import Occluder
 
 from metrics import Clip, align, measure
-from metrics.correspondence import follow
+from metrics.correspondence import Correspondence
+from metrics.geometry import Geometry
+from metrics.kernels.launch import Launcher
 from metrics.spans import uniform_steps
 from metrics.synthetic import Rotation, centres
 
@@ -52,27 +55,40 @@ def test_a_screen_fixed_error_and_noise_under_rotation_are_flicker(rotation, ref
         assert flicker(rotation, reference, error, alignment)[0] > tolerance("moving")
 
 
-def test_correspondence_is_exact(rotation, tolerance):
+@pytest.mark.parametrize("room", [0, 1e9])
+def test_correspondence_is_exact(rotation, tolerance, room):
     blank = np.zeros((SIZE, SIZE, 3))
-    places, usable = follow(Clip(lambda _: blank, 9, motion=rotation.motion), 0, 9)
-    assert places[4] is None
-    for t in (0, 1, 7, 8):
-        x, y = rotation.surface(4 - t)
-        exact = np.stack([y, x]) + SIZE / 2 - 0.5
-        assert np.abs(places[t] - exact)[:, usable].max() < tolerance("correspondence")
-    assert usable.mean() > 0.3
+    geometry = Geometry(Clip(lambda _: blank, 9, motion=rotation.motion), room=room)
+    with Launcher() as launcher:
+        found = Correspondence(geometry, launcher, 0, 9, room=room)
+        places, back = (np.array(list(each)) for each in (found.places(slice(0, SIZE)), found.glue()))
+    assert not places[4].any()
+    for t in range(9):
+        for seen, other in ((places[t], 4 - t), (back[t], t - 4)):
+            x, y = rotation.surface(other)
+            exact = np.stack([x, y], axis=2) + SIZE / 2 - centres_of(SIZE)
+            assert np.abs(seen - exact)[found.usable].max() < tolerance("correspondence")
+    assert found.usable.mean() > 0.3
+
+
+def centres_of(size):
+    return np.stack(np.broadcast_arrays(*centres(size, size)), axis=2)
+
+
+def steps_of(clip):
+    return uniform_steps(Geometry(clip, room=0))
 
 
 def test_a_constant_field_is_recognised_as_uniform():
     blank = np.zeros((40, 50, 3))
     field = np.broadcast_to(np.array([0.5, -0.25]), (40, 50, 2)).copy()
-    steps = uniform_steps(Clip(lambda _: blank, 5, motion=lambda _: field))
+    steps = steps_of(Clip(lambda _: blank, 5, motion=lambda _: field))
     assert steps[1:] == pytest.approx(np.tile([-0.25, 0.5], (4, 1)))
     field[3, 4, 0] = 9.0
-    assert uniform_steps(Clip(lambda _: blank, 5, motion=lambda _: field)) is None
+    assert steps_of(Clip(lambda _: blank, 5, motion=lambda _: field)) is None
     mask = np.ones((40, 50))
     mask[3, 4] = 0.5
-    assert uniform_steps(Clip(lambda _: blank, 5, motion=lambda _: field, coverage=lambda _: mask)) is not None
+    assert steps_of(Clip(lambda _: blank, 5, motion=lambda _: field, coverage=lambda _: mask)) is not None
 
 
 def test_a_camera_that_shakes_is_aligned_without_interpolation(texture, centres, tolerance):
@@ -98,37 +114,16 @@ def test_the_alignment_floor_is_told_for_motion_that_is_not_uniform(rotation, re
     assert "moves as one" in still.absent["budget.alignment_floor"]
 
 
-class Occluder:
-    """A square that moves over a background, each with a texture glued to it."""
-
-    def __init__(self, behind, before, texture):
-        self.speeds, self.textures = (behind, before), [texture(seed, mean=2.0) for seed in (21, 22)]
-        self.x, self.y = np.broadcast_arrays(*centres(SIZE, SIZE))
-
-    def hidden(self, t):
-        (dx, dy) = self.speeds[1]
-        across, along = self.x - 30 - dx * t, self.y - 75 - dy * t
-        return ((np.abs(across) < 24) & (np.abs(along) < 24))[..., None]
-
-    def frame(self, t):
-        moved = ((self.x - dx * t, self.y - dy * t) for dx, dy in self.speeds)
-        back, front = (texture.at(*place) for texture, place in zip(self.textures, moved, strict=True))
-        return np.where(self.hidden(t), front, back)
-
-    def motion(self, t):
-        return np.where(self.hidden(t), self.speeds[1], self.speeds[0])
-
-
 @pytest.mark.parametrize("speed", [(1.1, 0.6), (4.0, 0.4), (23.0, 0.0)])
-def test_an_occluder_makes_no_flicker_in_what_is_measured(speed, texture, tolerance):
-    scene = Occluder((0.72, -0.3), speed, texture)
+def test_an_occluder_makes_no_flicker_in_what_is_measured(speed, tolerance):
+    scene = Occluder((0.72, -0.3), speed, SIZE)
     found = measure(Clip(scene.frame, 16, motion=scene.motion), names=["residual", "measured"]).scores
     assert found["residual.flicker"] < tolerance("occluded")
     assert 0.05 < found["measured.fraction"] < 0.9
 
 
-def test_a_masked_occluder_leaves_a_uniform_motion(texture, tolerance):
-    scene = Occluder((0.72, -0.3), (4.0, 0.4), texture)
+def test_a_masked_occluder_leaves_a_uniform_motion(tolerance):
+    scene = Occluder((0.72, -0.3), (4.0, 0.4), SIZE)
     clip = Clip(scene.frame, 16, motion=(0.72, -0.3), coverage=lambda t: 1.0 - scene.hidden(t)[..., 0])
     found = measure(clip, names=["residual", "covered"]).scores
     assert found["residual.flicker"] < tolerance("glued")

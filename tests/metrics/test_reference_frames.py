@@ -47,8 +47,7 @@ def test_frames_that_fit_are_read_once():
     exact, alignment = ReferenceFrames(reference, room=1e9), align(test)
     for _ in range(3):
         measure(test, exact, alignment=alignment, names=["budget"])
-    # Frame 0 is read for its size as well.
-    assert count == [2] + [1] * (FRAMES - 1)
+    assert count == [1] * FRAMES
 
 
 def test_a_reference_of_another_domain_is_refused():

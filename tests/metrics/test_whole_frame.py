@@ -146,15 +146,16 @@ from metrics.kernels.pairs import compare_pairs
 
 height, width = 9, 7
 random = np.random.default_rng(0)
-frame, before = random.random((2, height, width, 3), np.float32)
+frame, before = random.random((2, 3, height, width), np.float32)
 motion = random.uniform(-12, 12, (height, width, 2)).astype(np.float32)
 motion[0, 0] = 1e9
 surface = np.where(random.random((height, width, 1)) < 0.5, motion, np.nan).astype(np.float32)
 with Launcher(threads=1) as launcher:
     found = launcher.zeros((height, width), wp.vec4)
-    pictures = [launcher.array(each, wp.vec3) for each in (frame, before)]
+    pictures = [launcher.array(each, wp.float32) for each in (frame, before)]
+    skipped = launcher.zeros((height, width), wp.uint8)
     fields = [launcher.array(each, wp.vec2) for each in (motion, surface)]
-    launcher.launch(compare_pairs, (height, width), [0, *pictures, *fields, 100.0, found])
+    launcher.launch(compare_pairs, (height, width), [0, *pictures, *fields, 100.0, skipped, found])
     assert np.isfinite(found.numpy()).all()
 """
 

@@ -13,8 +13,9 @@ from typing import Literal
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.forms import Twins, Within, form
 from swimlab.render.brdf import Brdf, Model
-from swimlab.render.kernels.forms import EXP2, LOGARITHM, Twins, Within, form, half_vector_code
+from swimlab.render.kernels.cpp import EXP2, LOGARITHM, half_vector_code
 from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import in_local_frame, power_of_cosine
 from swimlab.render.settings import Settings

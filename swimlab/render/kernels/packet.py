@@ -10,8 +10,8 @@ import functools
 
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.forms import Twins, form
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.shading import shade_with
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun, Surface

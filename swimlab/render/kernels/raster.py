@@ -8,7 +8,7 @@ with the top-left rule exactly one of them owns a sample on it.
 
 import warp as wp
 
-from swimlab.render.kernels.forms import Twins, form
+from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels.structs import Edges, Grid, Planes
 
 NEAR = 0.01

@@ -4,7 +4,7 @@ import functools
 
 import warp as wp
 
-from swimlab.render.kernels.forms import Twins, form
+from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels.packet import PLACES, locate_before, rows_of
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
 

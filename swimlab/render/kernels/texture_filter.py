@@ -12,8 +12,9 @@ from itertools import product
 
 import warp as wp
 
+from metrics.kernels.forms import Form, Twins, Within, form
 from swimlab.render.kernels import sampling
-from swimlab.render.kernels.forms import LOGARITHM, Form, Twins, Within, form
+from swimlab.render.kernels.cpp import LOGARITHM
 from swimlab.render.kernels.packet import WIDTHS, each_lane
 from swimlab.render.kernels.structs import LANES, TEXELS
 

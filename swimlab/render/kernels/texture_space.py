@@ -8,8 +8,8 @@ from typing import Any
 
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.forms import Twins, form
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.structs import LANES, Chain, Grid, Planes, Sun

@@ -7,8 +7,9 @@ for the deck's Blinn-Phong; other models, and maps with twist, use CLEAN's widen
 import numpy as np
 import warp as wp
 
+from metrics.kernels.forms import Twins, Within, form
 from swimlab.render.inputs import Inputs, Level, Maps, slopes
-from swimlab.render.kernels.forms import EXP2, Twins, Within, form, half_vector_code
+from swimlab.render.kernels.cpp import EXP2, half_vector_code
 from swimlab.render.kernels.packet import plain_packet
 from swimlab.render.kernels.shading import half_vector
 from swimlab.render.kernels.structs import Chain, LeanTexel
