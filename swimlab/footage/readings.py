@@ -67,9 +67,9 @@ def _flipped(now: Convention, flip: str) -> Convention:
     return replace(now, scale=(x * now.scale[0], y * now.scale[1]))
 
 
-def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float, float]:
+def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float, float, tuple[float, float]]:
     x, y = convention.factors(size)
-    return convention.direction, float(x), float(y)
+    return convention.direction, float(x), float(y), convention.offset
 
 
 def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> str:
