@@ -58,7 +58,7 @@ class Vectors:
     def stored(self, index: int) -> Image:
         """[H, W, 2] of the frames' size, cropped: stored values less the offset, all finite.
 
-        Raises FrameError naming the frame, also where none of its vectors is known.
+        Raises FrameError naming the frame.
         """
         return self._at(index)[0]
 
@@ -75,31 +75,33 @@ class Vectors:
         with ThreadPoolExecutor(cores()) as pool:
             shares = dict(zip(wanted, pool.map(lambda index: 1 - self._read(index)[1].mean(), wanted), strict=True))
         found = {index: float(share) for index, share in shares.items() if share > 0}
+        for index, share in found.items():
+            if share == 1:
+                raise FrameError(
+                    f"{self.reader.label(index)}: none of its motion vectors is known: all are NaN, masked or not "
+                    "written; mend the frame or its mask, or leave it out with --frames"
+                )
         self.whole = not found
         return found
 
     def _read(self, index: int) -> tuple[Image, Known]:
         """Values [h, w, 2] as stored, and where they are known."""
         stored = self.reader.read(index, self._part, self._channels)
-        label = self.reader.label(index)
         width, height = self.reader.header.size
         if stored.shape[:2] != (height, width):
-            raise FrameError(f"{label}: is not {width}x{height} px, as most frames are")
+            raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are")
         known: Known = np.asarray(np.isfinite(stored).all(axis=2))
         if self._convention.unwritten is not None:
             known &= (stored != np.array(self._convention.unwritten, np.float32)).any(axis=2)
         if self._mask is not None:
             known &= self._mask.coverage(index) > 0
-        if not known.any():
-            raise FrameError(
-                f"{label}: none of its motion vectors is known: all are NaN, masked or not written; mend the frame or "
-                "its mask, or leave it out with --frames"
-            )
         return stored, known
 
     def _resampled(self, index: int) -> tuple[Image, Known]:
         stored, known = self._read(index)
-        if not known.all():
+        if not known.any():  # of a frame that only another reading of the vectors asks for
+            stored = np.zeros_like(stored)
+        elif not known.all():
             nearest = ndimage.distance_transform_edt(~known, return_distances=False, return_indices=True)
             stored = stored[tuple(nearest)]
         field = stored - np.array(self._convention.offset, np.float32)

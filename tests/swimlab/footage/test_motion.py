@@ -105,8 +105,9 @@ def test_fields_are_cropped_in_px_of_the_whole_picture(tolerance):
 
 def test_a_frame_of_which_no_vector_is_known_is_named():
     nothing = np.full((HEIGHT, WIDTH, 2), np.nan)
+    motion = fields(lambda t: nothing if t == 2 else since_previous(t), Convention())
     with pytest.raises(FrameError, match=r"mv\.0002\.exr: none of its motion vectors is known: all are NaN, masked or"):
-        fields(lambda t: nothing, Convention()).moved(2, 1)
+        motion.vectors.survey(range(COUNT))
 
 
 def test_guesses_by_channel_names():
