@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from moving_wall import COUNT, HEIGHT, WIDTH, moved, picture, write
 
+import swimlab
 from swimlab.footage.jitter import JitteredMotion, read_offsets
 from swimlab.footage.motion import UniformMotion
 from swimlab.runs.frames import FrameError
@@ -78,7 +79,7 @@ def test_jitter_is_in_px_of_the_vectors(flicker, clips, tolerance):
 
 
 @pytest.mark.parametrize("motion", ["mv", "0,0"])
-def test_jitter_of_the_frames_is_put_in(swimlab, flicker, clips, tmp_path, motion, tolerance):
+def test_jitter_of_the_frames_is_put_in(flicker, clips, motion, tolerance):
     if motion == "0,0":
         write(clips / "jittered_still", lambda t: picture(0, jitter=JITTER[t]))
     words = ("--motion-jitter", clips / "jitter.txt", "--motion-jitter-in", "frames")
@@ -174,3 +175,14 @@ def test_jitter_of_no_use_is_refused(swimlab, clips, monkeypatch, case):
     code, _, err = swimlab("measure", "--test", "calm", *words)
     assert code == 2
     assert said in err
+
+
+def test_masks_and_jitter_from_python(clips, tmp_path, tolerance):
+    valid = np.ones((HEIGHT, WIDTH, 1))
+    valid[:9] = 0
+    mask = write(tmp_path / "valid", lambda t: valid, ("Y",)) / "0000.exr"
+    words = {"motion_jitter": clips / "jitter.txt", "motion_mask": mask}
+    found = swimlab.measure_frames(clips / "calm", motion=clips / "mv_jittered", **words)
+    entry = found.content["sequences"][0]
+    assert entry["scores"]["residual.flicker"] < tolerance("unwarped glued") * np.var(picture(0))
+    assert any(f"{9 / HEIGHT:.2%} of the pixels" in note for note in found.notes)
