@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -118,23 +119,17 @@ def resample(field: Image, known: Known, size: tuple[int, int], *, edge: NDArray
     more than `edge`, (x, y) in stored units: a blend of two surfaces' vectors is the motion of neither. known: [h, w].
     """
     rows, columns = (_places(new, old) for new, old in zip(size[::-1], field.shape[:2], strict=True))
-    near = np.ix_(np.rint(rows).astype(np.intp), np.rint(columns).astype(np.intp))
-    low = np.ix_(rows.astype(np.intp), columns.astype(np.intp))
-    smooth = _smooth(field, edge)[low]
-    linear = _between(_between(field, rows, axis=0), columns, axis=1)
-    return np.where(smooth[..., None], linear, field[near]), known[near]
+    near = [np.rint(places).astype(np.intp) for places in (rows, columns)]
+    smooth = _smooth(field, edge)[np.ix_(rows.astype(np.intp), columns.astype(np.intp))]
+    found = np.asarray(cv2.resize(field, size, interpolation=cv2.INTER_LINEAR), np.float32)  # between pixel centres
+    row, column = np.nonzero(~smooth)
+    found[row, column] = field[near[0][row], near[1][column]]
+    return found, known[np.ix_(*near)]
 
 
 def _places(new: int, old: int) -> NDArray[np.float64]:
-    """Where the centres of `new` pixels lie among `old` ones over the same length, as indices; the last one beyond."""
+    """Where the centres of `new` pixels lie among those of `old` ones over the same length, as indices."""
     return np.clip((np.arange(new) + 0.5) * old / new - 0.5, 0, old - 1)
-
-
-def _between(field: Image, places: NDArray[np.float64], *, axis: int) -> Image:
-    low = places.astype(np.intp)
-    high = np.minimum(low + 1, field.shape[axis] - 1)
-    share = (places - low).astype(np.float32).reshape([-1 if each == axis else 1 for each in range(3)])
-    return np.asarray(field.take(low, axis) * (1 - share) + field.take(high, axis) * share)
 
 
 def _smooth(field: Image, edge: NDArray[np.float32]) -> Known:
