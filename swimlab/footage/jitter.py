@@ -117,9 +117,10 @@ def _rows(path: Path) -> list[tuple[int, list[float]]]:
     rows: list[tuple[int, list[float]]] = []
     named = False
     for line, content in enumerate(text.splitlines(), start=1):
-        words = [word for word in re.split(r"[,;\s]+", content.partition("#")[0]) if word]
-        if not words:
+        content = content.partition("#")[0].strip(" \t,;")
+        if not content:
             continue
+        words = re.split(r"\s*[,;]\s*" if re.search("[,;]", content) else r"\s+", content)
         where = f"--motion-jitter {path}, line {line}"
         if not rows and not named and not any(map(_is_number, words)):
             named = True
@@ -128,7 +129,7 @@ def _rows(path: Path) -> list[tuple[int, list[float]]]:
             continue
         wrong = next((word for word in words if not _is_number(word)), None)
         if wrong is not None:
-            raise FrameError(f"{where}: {wrong} is not a number; {_FORM}")
+            raise FrameError(f"{where}: {wrong or 'an empty value'} is not a number; {_FORM}")
         if len(words) not in (2, 3) or (rows and len(words) != len(rows[0][1])):
             raise FrameError(f"{where}: has {len(words)} values; {_FORM}, all lines alike")
         rows.append((line, [float(word) for word in words]))

@@ -172,11 +172,13 @@ class Subject:
         return "fields", self._open_fields(request.motion)
 
     def _refuse_parts_of_files(self) -> None:
-        """Raise FrameError where options of motion vectors come with a motion that has none."""
+        """Raise FrameError where options of motion vectors come with a motion that has none, or without one another."""
         motion, mask, jitter = self.request.motion, self.request.motion_mask, self.request.motion_jitter
         if motion in (None, ESTIMATE) and (mask or jitter):
             option = "--motion-mask" if mask else "--motion-jitter"
             raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
+        if jitter is None and self.request.motion_jitter_in != "vectors":
+            raise FrameError("--motion-jitter-in: says whose jitter a file holds; give --motion-jitter FILE too")
         if motion is not None and mask and _VECTOR.fullmatch(motion):
             raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
 

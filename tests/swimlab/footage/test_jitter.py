@@ -118,7 +118,7 @@ FORMS = {
     "blanks": "0.5 -0.25\n0 0.125\n",
     "commas": "0.5,-0.25\n0,0.125\n",
     "numbered": "8 0 .125\n7 .5 -.25\n9 1 1\n",
-    "semicolons and names": "Frame;Jitter X;jitter_y\n".replace("Jitter X", "jitter_x") + "7;0.5;-0.25\n8;0;0.125\n",
+    "semicolons and names": "Frame; Jitter X; jitter_y\n7;0.5;-0.25;\n8;0;0.125;\n",
     "comments": "# px\n\n0.5, -0.25  # first\n0\t0.125\n\n",
 }
 
@@ -139,6 +139,7 @@ FAULTS = {
     "not finite": ("0 0\n0 nan\n", "line 2: nan is not a number"),
     "one value": ("# x\n1\n2\n", "line 2: has 1 values"),
     "four values": ("1 2 3 4\n", "line 1: has 4 values"),
+    "an empty value": ("7,,0\n8,0,0\n", "line 1: an empty value is not a number"),
     "mixed": ("7 0 0\n0 0\n", "line 2: has 2 values"),
     "another frame": ("7 0 0\n9 0 0\n", "has no line for frame 8, 1 missing"),
     "a frame twice": ("7 0 0\n7 1 1\n", "line 2: frame 7 comes twice"),
@@ -164,6 +165,7 @@ REFUSED = {
     "a missing file": (("--motion", "mv", "--motion-jitter", "none.txt"), "none.txt: cannot be read"),
     "a vector's own": (("--motion", "1,2", "--motion-jitter", "jitter.txt"), "give --motion-jitter-in frames"),
     "an estimate": (("--motion", "estimate", "--motion-jitter", "jitter.txt"), "--motion-jitter: is for a motion that"),
+    "a side alone": (("--motion", "mv", "--motion-jitter-in", "frames"), "give --motion-jitter FILE too"),
     "no motion": (("--motion-jitter", "jitter.txt"), "--motion-jitter: is for a motion that is given"),
 }
 
