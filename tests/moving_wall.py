@@ -65,9 +65,9 @@ def moved(t, size=(WIDTH, HEIGHT)):
     return to_px(ndc(points, t), size) - to_px(ndc(points, t - 1), size)
 
 
-def write(folder, frames, channels=("R", "G", "B")):
-    """Write t -> [H, W, n] as 32-bit floats: 0000.exr and so on."""
-    for t in range(COUNT):
+def write(folder, frames, channels=("R", "G", "B"), count=COUNT):
+    """Write t -> [H, W, n] as 32-bit floats: 0000.exr and so on. Returns the folder."""
+    for t in range(count):
         pixels = np.asarray(frames(t), np.float32)
         write_channels(folder / f"{t:04d}.exr", pixels, channels, half=False, metadata={})
     return folder

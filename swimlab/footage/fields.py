@@ -78,9 +78,13 @@ def _of_files(convention: Convention, reader: Reader) -> Convention:
 
 
 def _check_view(reader: Reader, size: tuple[int, int]) -> None:
-    """Raise FrameError where no scale makes vectors' and frames' sizes of one another, each side off by under 1 px."""
+    """Raise FrameError where no scale makes vectors' and frames' sizes of one another, each side off by under 1 px.
+
+    Where one side is the same, nothing was scaled, and the other must be so too.
+    """
     (across, down), (width, height) = reader.header.size, size
-    if max((across - 1) / width, (down - 1) / height) >= min((across + 1) / width, (down + 1) / height):
+    apart = max((across - 1) / width, (down - 1) / height) >= min((across + 1) / width, (down + 1) / height)
+    if apart or (across == width) != (down == height):
         raise FrameError(
             f"--motion {reader.name}: is {across}x{down} px, the frames {width}x{height} px: more than rounding apart "
             "in shape, so they are not of the same view; cut or render the vectors to the view of the frames"

@@ -221,9 +221,18 @@ def test_vectors_of_two_surfaces_are_not_blended(factor):
         assert np.array_equal(seen, np.kron(known, copies))
 
 
-@pytest.mark.parametrize("size", [(64, 64), (96, 128), (136, 96)], ids=str)
+@pytest.mark.parametrize("size", [(64, 64), (96, 128), (127, 96), (128, 97)], ids=str)
 def test_vectors_of_another_view_are_refused(swimlab, frames, tmp_path, size):
     write(tmp_path / "mv", lambda t: np.ones((size[1], size[0], 2)), ("X", "Y"))
     code, _, err = swimlab("measure", "--test", frames, "--motion", "mv")
     assert code == 2
     assert "{}x{} px, the frames 128x96 px: more than rounding apart in shape".format(*size) in err
+
+
+@pytest.mark.parametrize("size", [(1129, 635), (1280, 720), (853, 480), (854, 480), (1024, 576), (3840, 2160)], ids=str)
+def test_sizes_of_upscalers_are_of_one_view(tmp_path, size):
+    """1.7, 1.5, 2.25 rounded down and up, 1.875 times smaller, and twice as large as 1920x1080."""
+    write(tmp_path / "calm", lambda t: np.zeros((1080, 1920, 1)), ("Y",), count=2)
+    write(tmp_path / "mv", lambda t: np.zeros((size[1], size[0], 2)), ("X", "Y"), count=2)
+    subject, _ = subject_of(tmp_path / "calm", tmp_path / "mv", unverified=True)
+    assert subject.motion.moved(1, 0).shape == (1080, 1920, 2)
