@@ -126,11 +126,12 @@ class FieldMotion:
 
     def _field(self, index: int) -> Image:
         """[H, W, 2] px right and down, in the convention's direction."""
-        return self.vectors.stored(index) * self.factors
+        return (self.vectors.stored(index) - np.array(self.convention.offset, np.float32)) * self.factors
 
     def _vectors(self, index: int, points: Points) -> Points:
         """(y, x) px at points."""
-        return sample(self.vectors.stored(index), points) * self.factors[::-1, None]
+        offset = np.array(self.convention.offset[::-1])[:, None]
+        return np.asarray((sample(self.vectors.stored(index), points) - offset) * self.factors[::-1, None])
 
     def _step(self, points: Points, index: int) -> Points:
         """One frame back from `index`."""

@@ -22,7 +22,7 @@ EDGE = 0.25
 
 
 class Vectors:
-    """Two channels of a file a frame, less the offset that means no motion.
+    """Two channels of a file a frame.
 
     A vector is unknown where it is NaN or infinite, masked, or the pair that an engine leaves where it wrote none; the
     nearest known one stands in for it, so that no interpolation takes up what is not known.
@@ -57,7 +57,7 @@ class Vectors:
         return np.divide(self.size, self.reader.header.size, dtype=np.float32)
 
     def stored(self, index: int) -> Image:
-        """[H, W, 2] of the frames' size, cropped: stored values less the offset, all finite.
+        """[H, W, 2] of the frames' size, cropped: values as stored, all finite.
 
         Raises FrameError naming the frame.
         """
@@ -105,11 +105,10 @@ class Vectors:
         elif not known.all():
             nearest = ndimage.distance_transform_edt(~known, return_distances=False, return_indices=True)
             stored = stored[tuple(nearest)]
-        field = stored - np.array(self._convention.offset, np.float32)
         if self.size != self.reader.header.size:
             factors = np.abs(self._convention.factors(self.reader.header.size) * self.ratio)
-            field, known = resample(field, known, self.size, edge=EDGE / factors)
-        return (self._crop.cut(field), self._crop.cut(known)) if self._crop else (field, known)
+            stored, known = resample(stored, known, self.size, edge=EDGE / factors)
+        return (self._crop.cut(stored), self._crop.cut(known)) if self._crop else (stored, known)
 
 
 def resample(field: Image, known: Known, size: tuple[int, int], *, edge: NDArray[np.float32]) -> tuple[Image, Known]:

@@ -156,3 +156,22 @@ def test_conventions_are_listed(swimlab):
 
 def test_unreal_is_known_by_its_channels():
     assert guess(("R", "G", "B", *UNREAL)) == "unreal"
+
+
+FORGOTTEN = {
+    "unreal as unity": ("unreal", "unity", "--motion-convention unreal"),
+    "unreal as uv": ("unreal", "uv", "--motion-convention unreal"),
+    "godot as unreal": ("godot", "unreal", "--motion-convention godot"),
+    "threejs as unreal": ("threejs", "unreal", "--motion-convention ndc"),
+}
+
+
+@pytest.mark.parametrize("case", FORGOTTEN)
+def test_a_forgotten_offset_is_named_by_the_preset_that_has_it(swimlab, frames, tmp_path, case):
+    truth, given, mend = FORGOTTEN[case]
+    write(tmp_path / "mv", ENGINES[truth][0], ("R", "G"))
+    words = ("measure", "--test", frames, "--motion", "mv")
+    code, _, err = swimlab(*words, "--motion-convention", given)
+    assert code == 2
+    assert "leaves 0.00" in err
+    assert f"Use {mend}, or" in err
