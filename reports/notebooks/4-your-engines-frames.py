@@ -109,8 +109,9 @@ again = swimlab.measure_frames(frames, reference=reference, motion=motion, conve
 assert again.scores["test"]["rms error"] == own.scores["test"]["rms error"]
 
 # %% [markdown]
-# Other engines: `blender` (Vector pass: px, y up, pointing backwards), `nuke`, `ndc` (the picture is 2 wide), and
-# `own`, swimlab's (px, right and down, since the last frame).
+# Other engines: `blender` (Vector pass: px, y up, pointing backwards), `unreal`, `godot`, `threejs`, `fsr`, `dlss`,
+# `nuke`, `ndc` (the picture is 2 wide), and `own`, swimlab's (px, right and down, since the last frame);
+# `swimlab list conventions` says what each means, and from which source.
 #
 # ## What if there are no vectors?
 #

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from metrics import Display
-from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.convention import PRESETS, Convention, Preset
+from swimlab.footage.jitter import Side
 from swimlab.footage.source import Box, Look
 from swimlab.footage.subject import Request
 from swimlab.runs.frames import FrameError
@@ -47,7 +48,7 @@ class Footage:
     crop:
         Part of the picture to measure, x,y,width,height in px.
     motion_convention:
-        What motion vectors mean; the options below change single points of it.
+        What motion vectors mean (swimlab list conventions); the options below change single points of it.
     motion_channels:
         Their two channels, x,y.
     motion_unit:
@@ -58,6 +59,14 @@ class Footage:
         Which way y is positive.
     motion_scale:
         A factor, or two as x,y; negative where vectors point to where the surface was.
+    motion_offset:
+        The stored value that means no motion, or two as x,y, as 0.5; subtracted before all else.
+    motion_mask:
+        Picture, or one a frame, of the vectors' size: they are valid where its first channel is above 0.5.
+    motion_jitter:
+        Text file of the frames' sub-pixel jitter, frame,x,y or x,y a line, px right and down (of the vectors' size).
+    motion_jitter_in:
+        Who has that jitter alone: the vectors, so that it is taken out of them, or the frames, so that it is put in.
     motion_unverified:
         Measure even if the motion does not fit the frames.
     skip_bad_frames:
@@ -82,12 +91,16 @@ class Footage:
     alpha: Literal["ignore", "mask", "unpremultiply"] = "ignore"
     mask: str | None = None
     crop: Annotated[str | None, Hyphens] = None
-    motion_convention: Literal["own", "blender", "unity", "nuke", "ndc", "uv"] = "own"
+    motion_convention: Preset = "own"
     motion_channels: str | None = None
     motion_unit: Literal["px", "ndc", "uv"] | None = None
     motion_direction: Literal["backward", "forward"] | None = None
     motion_y: Literal["down", "up"] | None = None
     motion_scale: Annotated[str | None, Hyphens] = None
+    motion_offset: Annotated[str | None, Hyphens] = None
+    motion_mask: str | None = None
+    motion_jitter: str | None = None
+    motion_jitter_in: Side = "vectors"
     motion_unverified: Annotated[bool, Flag] = False
     skip_bad_frames: Annotated[bool, Flag] = False
     pixels_per_degree: float | None = None
@@ -111,6 +124,9 @@ class Footage:
             frames=self.range_of_frames,
             look=Look(channels=self.channels, colour_space=self.colorspace, alpha=self.alpha, crop=_crop(self.crop)),
             convention=self._convention(),
+            motion_mask=self.motion_mask,
+            motion_jitter=self.motion_jitter,
+            motion_jitter_in=self.motion_jitter_in,
             domain=domain,
             display=self._display(domain),
             skip_bad_frames=self.skip_bad_frames,
@@ -150,6 +166,7 @@ class Footage:
             direction=self.motion_direction or preset.direction,
             y=self.motion_y or preset.y,
             scale=preset.scale if self.motion_scale is None else _scale(self.motion_scale),
+            offset=preset.offset if self.motion_offset is None else _pair("--motion-offset", self.motion_offset),
         )
 
 
@@ -169,10 +186,18 @@ def _crop(text: str | None) -> "Box | None":
 
 
 def _scale(text: str) -> tuple[float, float]:
-    try:
-        factors = [float(factor) for factor in text.split(",")]
-    except ValueError:
-        factors = []
-    if len(factors) not in (1, 2) or not all(isfinite(factor) and factor != 0 for factor in factors):
+    factors = _pair("--motion-scale", text)
+    if 0 in factors:
         raise FrameError(f"--motion-scale {text}: give a factor other than 0, or two as x,y")
-    return factors[0], factors[-1]
+    return factors
+
+
+def _pair(option: str, text: str) -> tuple[float, float]:
+    """A number for x and y, or two with a comma."""
+    try:
+        numbers = [float(number) for number in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 2) or not all(map(isfinite, numbers)):
+        raise FrameError(f"{option} {text}: give a number, or two as x,y")
+    return numbers[0], numbers[-1]

@@ -11,10 +11,11 @@ from rich.table import Table
 from metrics import METRICS
 from metrics.bands import BANDS
 from sequences import library, load
+from swimlab.footage.convention import PRESETS, SOURCES, Convention
 from swimlab.render.catalogue import brdfs, techniques
 from swimlab.runs.record import RunError
 
-Kind = Literal["techniques", "sequences", "brdfs", "metrics"]
+Kind = Literal["techniques", "sequences", "brdfs", "metrics", "conventions"]
 
 IN_JSON = {"sequences": "file", "metrics": "source"}
 """Columns that the table of a kind has no room for."""
@@ -61,6 +62,8 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
             }
             for name, metric in METRICS.items()
         ]
+    if kind == "conventions":
+        return [_convention(name, convention) for name, convention in PRESETS.items()]
 
     entries = techniques() if kind == "techniques" else brdfs()
     return [
@@ -80,6 +83,21 @@ def _sequence(name: str, path: Path) -> dict[str, str]:
         "size": "{}x{}".format(*sequence.size),
         "what it is": path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# "),
         "file": str(path),
+    }
+
+
+def _convention(name: str, convention: Convention) -> dict[str, str]:
+    """What motion vectors mean under a preset; --motion-... options of the same names change single points."""
+
+    return {
+        "convention": name,
+        "unit": convention.unit,
+        "direction": convention.direction,
+        "y": convention.y,
+        "scale": "{:g},{:g}".format(*convention.scale),
+        "offset": "{:g},{:g}".format(*convention.offset),
+        "channels": " or ".join(",".join(pair) for pair in convention.channels),
+        "source": SOURCES[name],
     }
 
 

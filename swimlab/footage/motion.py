@@ -12,8 +12,9 @@ from scipy import ndimage
 from swimlab.footage.convention import Convention
 from swimlab.footage.reader import Reader
 from swimlab.footage.readings import other_conventions, other_velocities
-from swimlab.footage.source import Box, check_finite
-from swimlab.runs.frames import FrameError, Image
+from swimlab.footage.source import Box, Mask
+from swimlab.footage.vectors import Known, Vectors
+from swimlab.runs.frames import Image
 
 Points = NDArray[np.float64]
 
@@ -29,6 +30,9 @@ class Motion(Protocol):
 
     def moved(self, start: int, stop: int) -> Image:
         """[H, W, 2] px right and down, how far the surface seen in frame `start` moved since frame `stop`."""
+
+    def known(self, start: int, stop: int) -> Known | None:
+        """[H, W] where it is known how the surface seen in frame `start` moved since `stop`; None: everywhere."""
 
     def variants(self) -> dict[str, tuple[str, "Motion"]]:
         """Other readings of the same motion: name -> the setting that chooses it, and the motion."""
@@ -48,6 +52,9 @@ class UniformMotion:
         step = (start - stop) * np.array(self.velocity, np.float32)
         return np.broadcast_to(step, (*self._shape, 2))
 
+    def known(self, start: int, stop: int) -> Known | None:
+        return None
+
     def variants(self) -> dict[str, tuple[str, Motion]]:
         others = other_velocities(self.velocity, self._shape[::-1])
         return {name: (setting, UniformMotion(velocity, self._shape)) for name, (velocity, setting) in others.items()}
@@ -57,15 +64,22 @@ class FieldMotion:
     """A file of motion vectors a frame."""
 
     def __init__(
-        self, reader: Reader, part: int, channels: tuple[str, str], convention: Convention, crop: Box | None
+        self,
+        reader: Reader,
+        part: int,
+        channels: tuple[str, str],
+        convention: Convention,
+        crop: Box | None,
+        *,
+        size: tuple[int, int] | None = None,
+        mask: Mask | None = None,
     ) -> None:
-        self.reader = reader
+        """size: width and height of the frames; None: that of the vectors. crop: in the frames' px."""
         self.channels = channels
         self.convention = convention
-        self._part = part
-        self._crop = crop
-        self._factors = convention.factors(reader.header.size)
-        self._stored = lru_cache(maxsize=4)(self._read)
+        self.vectors = Vectors(reader, part, channels, convention, size=size, crop=crop, mask=mask)
+        self.factors = self._factors_of(convention)
+        """What stored (x, y) less the offset are multiplied with to be px of the frames, right and down."""
 
     def back(self, points: Points, start: int, stop: int) -> Points:
         for index in range(start, stop, -1):
@@ -80,24 +94,44 @@ class FieldMotion:
         travelled = points - self.back(points, start, stop)
         return np.moveaxis(travelled[::-1].reshape(2, height, width), 0, 2).astype(np.float32)
 
+    def known(self, start: int, stop: int) -> Known | None:
+        if self.vectors.whole:
+            return None
+        if start == stop + 1 and self.convention.direction == "backward":
+            return self.vectors.known(start)
+        height, width = self.vectors.known(start).shape
+        points = np.indices((height, width), dtype=np.float64).reshape(2, -1)
+        known = np.ones(height * width, np.bool_)
+        for index in range(start, stop, -1):
+            earlier = self._step(points, index)
+            asked, places = (index, points) if self.convention.direction == "backward" else (index - 1, earlier)
+            row, column = np.rint(places).astype(np.intp)
+            known &= self.vectors.known(asked)[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]
+            points = earlier
+        return known.reshape(height, width)
+
     def variants(self) -> dict[str, tuple[str, Motion]]:
-        others = other_conventions(self.convention, self.channels, self.reader.header.size)
+        others = other_conventions(self.convention, self.channels, self.vectors.reader.header.size)
         return {name: (setting, self._read_as(convention)) for name, (convention, setting) in others.items()}
 
     def _read_as(self, convention: Convention) -> Motion:
         """The same files, read once for all readings."""
         other = copy(self)
         other.convention = convention
-        other._factors = convention.factors(self.reader.header.size)
+        other.factors = self._factors_of(convention)
         return other
+
+    def _factors_of(self, convention: Convention) -> NDArray[np.float32]:
+        return convention.factors(self.vectors.reader.header.size) * self.vectors.ratio
 
     def _field(self, index: int) -> Image:
         """[H, W, 2] px right and down, in the convention's direction."""
-        return self._stored(index) * self._factors
+        return (self.vectors.stored(index) - np.array(self.convention.offset, np.float32)) * self.factors
 
     def _vectors(self, index: int, points: Points) -> Points:
         """(y, x) px at points."""
-        return sample(self._stored(index), points) * self._factors[::-1, None]
+        offset = np.array(self.convention.offset[::-1])[:, None]
+        return np.asarray((sample(self.vectors.stored(index), points) - offset) * self.factors[::-1, None])
 
     def _step(self, points: Points, index: int) -> Points:
         """One frame back from `index`."""
@@ -112,15 +146,6 @@ class FieldMotion:
             if gone < _TOLERANCE:
                 break
         return place
-
-    def _read(self, index: int) -> Image:
-        """[H, W, 2] as stored."""
-        stored = self.reader.read(index, self._part, self.channels)
-        width, height = self.reader.header.size
-        if stored.shape[:2] != (height, width):
-            raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are")
-        check_finite(stored, self.reader.label(index))
-        return self._crop.cut(stored) if self._crop else stored
 
 
 def sample(field: Image, points: Points) -> Points:
@@ -151,6 +176,9 @@ class EstimatedMotion:
         flow.setVariationalRefinementIterations(10)
         first, second = self._codes(start), self._codes(stop)
         return -np.asarray(flow.calc(first, second, np.zeros((*first.shape, 2), np.float32)), np.float32)
+
+    def known(self, start: int, stop: int) -> Known | None:
+        return None
 
     def variants(self) -> dict[str, tuple[str, Motion]]:
         """None: it is found by matching, so there is nothing to check."""

@@ -19,7 +19,7 @@ def other_conventions(
     """
     found: dict[str, tuple[Convention, str]] = {}
     known = {_meaning(now, size)}
-    for name, other in _others(now):
+    for name, other in [*_others(now), *_presets(channels)]:
         if _meaning(other, size) not in known:
             known.add(_meaning(other, size))
             found[name] = other, _setting(now, other, channels)
@@ -60,6 +60,13 @@ def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
             yield ", ".join(filter(None, (length, flip))), replace(other, scale=scale)
 
 
+def _presets(channels: tuple[str, str]) -> Iterator[tuple[str, Convention]]:
+    """Presets of files with such channels: their offset or scale may be what is amiss."""
+    for name, preset in PRESETS.items():
+        if any(_ends(channels, pair) for pair in preset.channels):
+            yield f"as of {name}", preset
+
+
 def _flipped(now: Convention, flip: str) -> Convention:
     if flip == "y flipped":
         return replace(now, y="up" if now.y == "down" else "down")
@@ -67,14 +74,14 @@ def _flipped(now: Convention, flip: str) -> Convention:
     return replace(now, scale=(x * now.scale[0], y * now.scale[1]))
 
 
-def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float, float]:
+def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float, float, tuple[float, float]]:
     x, y = convention.factors(size)
-    return convention.direction, float(x), float(y)
+    return convention.direction, float(x), float(y), convention.offset
 
 
 def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> str:
-    """A preset where the unit is another and no single option is set that would overrule it; else single options."""
-    if other.unit != now.unit and any(_same(now, preset) for preset in PRESETS.values()):
+    """A preset where unit or offset is another and no single option is set that overrules it; else single options."""
+    if (other.unit, other.offset) != (now.unit, now.offset) and any(_same(now, preset) for preset in PRESETS.values()):
         for name, preset in PRESETS.items():
             if _same(other, preset) and any(_ends(channels, pair) for pair in preset.channels):
                 return f"--motion-convention {name.removesuffix('-forward')}"
@@ -87,6 +94,8 @@ def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> s
         options.append(f"--motion-y {other.y}")
     if other.scale != now.scale:
         options.append("--motion-scale {:g},{:g}".format(*other.scale))
+    if other.offset != now.offset:
+        options.append("--motion-offset {:g},{:g}".format(*other.offset))
     return " ".join(options)
 
 

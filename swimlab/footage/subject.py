@@ -9,10 +9,11 @@ import numpy as np
 
 from metrics import Clip
 from metrics.display import STANDARD, Display, Domain
-from swimlab.footage.channels import find_pair
 from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.fields import open_fields
 from swimlab.footage.header import LOSSY
-from swimlab.footage.motion import EstimatedMotion, FieldMotion, Motion, UniformMotion
+from swimlab.footage.jitter import Side, with_jitter_of_file
+from swimlab.footage.motion import EstimatedMotion, Motion, UniformMotion
 from swimlab.footage.pattern import frame_range, is_video
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.source import Look, Mask, Source
@@ -31,7 +32,9 @@ class Request:
     """What to measure, and how; names are patterns, folders or files.
 
     motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
-    own, else 60. mask: where to measure, one picture or one a frame. frames: range for names without one of their own.
+    own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
+    motion_jitter: text file of the frames' jitter, which is in the vectors alone or in the frames alone, as
+    motion_jitter_in says; px, of the vectors where there are any. frames: range for names without one of their own.
     skip_bad_frames: leave out what cannot be measured. unverified: measure though the motion does not fit the frames.
     """
 
@@ -43,6 +46,9 @@ class Request:
     frames: str | None = None
     look: Look = field(default_factory=Look)
     convention: Convention = PRESETS["own"]
+    motion_mask: str | None = None
+    motion_jitter: str | None = None
+    motion_jitter_in: Side = "vectors"
     domain: Domain = "linear"
     display: Display = STANDARD
     skip_bad_frames: bool = False
@@ -79,7 +85,12 @@ class Subject:
         self.kept = self._good_frames()
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
+        self.motion_size: list[int] | None = None
+        """Width and height of the files of motion vectors, if there are any."""
         self.motion_kind, self.motion = self._open_motion()
+        if request.motion_jitter is not None:
+            side, numbers = request.motion_jitter_in, self.test.reader.numbers
+            self.motion = with_jitter_of_file(self.motion, Path(request.motion_jitter), side, numbers, self.note)
         if not request.unverified:
             self._verify()
 
@@ -130,13 +141,22 @@ class Subject:
         """Where frames are measured, by mask, test and reference."""
         givers = [each.coverage for each in (self.test, self.reference) if each and each.has_coverage]
         givers += [self.mask.coverage] if self.mask is not None else []
+        if self.motion.known(self.kept[1], self.kept[0]) is not None:
+            givers.append(self._known)
         if not givers:
             return None
         return lambda index: np.minimum.reduce([giver(index) for giver in givers])
 
+    def _known(self, index: int) -> Image:
+        """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""
+        place = self.kept.index(index)
+        known = self.motion.known(index, self.kept[place - 1]) if place else None
+        return np.ones(self.test.shape, np.float32) if known is None else known.astype(np.float32)
+
     def _open_motion(self) -> tuple[str, Motion]:
         """What to call the motion, and the motion."""
         request = self.request
+        self._refuse_parts_of_files()
         if request.motion is None:
             self.note(
                 "no motion given: nothing is taken to move; if the camera moves, give --motion or --motion estimate"
@@ -151,28 +171,38 @@ class Subject:
             return "uniform", UniformMotion(_velocity(vector), self.test.shape)
         return "fields", self._open_fields(request.motion)
 
+    def _refuse_parts_of_files(self) -> None:
+        """Raise FrameError where options of motion vectors come with a motion that has none, or without one another."""
+        motion, mask, jitter = self.request.motion, self.request.motion_mask, self.request.motion_jitter
+        if motion in (None, ESTIMATE) and (mask or jitter):
+            option = "--motion-mask" if mask else "--motion-jitter"
+            raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
+        if jitter is None and self.request.motion_jitter_in != "vectors":
+            raise FrameError("--motion-jitter-in: says whose jitter a file holds; give --motion-jitter FILE too")
+        if motion is not None and mask and _VECTOR.fullmatch(motion):
+            raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
+
     def _open_fields(self, name: str) -> Motion:
         if is_video(name):
             raise FrameError(f"--motion {name}: a video holds no motion vectors; give EXR files")
-        reader = open_frames(name, frames=self.request.frames)
-        self._match(reader, "motion")
-        convention = self.request.convention
-        if convention == PRESETS["nuke"]:
-            channels = {channel for part in reader.header.parts for channel in part.channels}
-            if not any(channel.endswith("backward.u") for channel in channels):
-                convention = PRESETS["nuke-forward"]
-        part, channels_found = find_pair(reader.header, convention.channels, reader.name)
-        self._say(
-            f"motion from {','.join(channels_found)}: {convention.unit}, {convention.direction}, +y {convention.y}, "
-            f"scale {convention.scale[0]:g},{convention.scale[1]:g}"
+        request = self.request
+        reader = open_frames(name, frames=request.frames)
+        self._match_count(reader, "motion")
+        self.motion_size = list(reader.header.size)
+        mask = None
+        if request.motion_mask is not None:
+            mask = Mask(open_frames(request.motion_mask, frames=request.frames), None)
+            self._match_count(mask.reader, "motion-mask", still=True)
+        return open_fields(
+            reader,
+            request.convention,
+            size=self.test.reader.header.size,
+            kept=self.kept,
+            crop=request.look.crop,
+            mask=mask,
+            note=self.note,
+            say=self._say,
         )
-        problems = reader.problems(part, channels_found)
-        needed = range(self.kept[0], self.kept[-1] + 1)
-        needed = needed[1:] if convention.direction == "backward" else needed[:-1]
-        for index in needed:
-            if index in problems:
-                raise FrameError(f"{problems[index]} (motion vectors of skipped frames are needed too)")
-        return FieldMotion(reader, part, channels_found, convention, self.request.look.crop)
 
     def _verify(self) -> None:
         if self.motion_kind not in ("uniform", "fields"):
@@ -217,6 +247,11 @@ class Subject:
         if reader.header.size != test.header.size:
             sizes = "{}x{} px, the test {}x{} px".format(*reader.header.size, *test.header.size)
             raise FrameError(f"--{what} {reader.name}: is {sizes}; they must match")
+        self._match_count(reader, what, still=still)
+
+    def _match_count(self, reader: Reader, what: str, *, still: bool = False) -> None:
+        """Raise FrameError where an input has another number of frames than the test."""
+        test = self.test.reader
         if still and len(reader.numbers) == 1:
             return
         if len(reader.numbers) != len(test.numbers):

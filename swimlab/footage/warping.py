@@ -35,8 +35,8 @@ class Rival:
 
     @property
     def ratio(self) -> float:
-        """The residual as a share of the given one's; 1 where both are 0."""
-        return self.residual / self.given if self.given > 0 else 1.0
+        """The residual as a share of the given one's; 1 where that is rounding alone."""
+        return self.residual / self.given if self.given > _FLAT else 1.0
 
 
 class Pair:

@@ -8,6 +8,7 @@ from typing import Any
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.colour import ColourSpace
 from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.jitter import Side
 from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.footage.subject import Request, Subject
 from swimlab.notebook.scores import Scores
@@ -54,6 +55,9 @@ def measure_frames(
     reference: Name | None = None,
     motion: Name | tuple[float, float] | None = None,
     convention: str | Convention = "own",
+    motion_mask: Name | None = None,
+    motion_jitter: Name | None = None,
+    motion_jitter_in: Side = "vectors",
     fps: float | None = None,
     frames: str | None = None,
     mask: Name | None = None,
@@ -72,9 +76,11 @@ def measure_frames(
     """Measure anyone's frames; the options are the same as of `swimlab measure --test`.
 
     reference: what they should look like, frame by frame. motion: (dx, dy) px a frame right and down, files of motion
-    vectors, "estimate", or None where nothing moves. convention: what the vectors mean: own, blender, unity, nuke,
-    ndc, uv, or a Convention. fps: None: the file's own, else 60. frames: range as "1-48". crop: x, y, width, height,
-    px. unverified: measure though the motion does not fit the frames.
+    vectors, "estimate", or None where nothing moves. convention: what the vectors mean: a name of
+    `swimlab list conventions`, or a Convention. motion_mask: where vectors are valid, above 0.5. motion_jitter: text
+    file of the frames' jitter, which the vectors alone or the frames alone have. fps: None: the file's own, else 60.
+    frames: range as "1-48". crop: x, y, width, height, px. unverified: measure though the motion does not fit the
+    frames.
     The notes say where the motion cannot be verified. Raises FrameError naming the file, frame or setting that is
     wrong, and how to mend it.
     """
@@ -87,6 +93,9 @@ def measure_frames(
         frames=frames,
         look=Look(channels=channels, colour_space=colour_space, alpha=alpha, crop=None if crop is None else Box(*crop)),
         convention=_convention(convention),
+        motion_mask=None if motion_mask is None else fspath(motion_mask),
+        motion_jitter=None if motion_jitter is None else fspath(motion_jitter),
+        motion_jitter_in=motion_jitter_in,
         domain=domain,
         display=display,
         skip_bad_frames=skip_bad_frames,

@@ -55,12 +55,17 @@ def _settings(subject: Subject) -> dict[str, Any]:
     """All that decides the scores but for the pixels, and for the display, which stands with the scores."""
     request = subject.request
     chosen = asdict(request)
-    for part_of_command in ("test", "reference", "mask", "unverified", "display"):
+    for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
         chosen.pop(part_of_command)
     height, width = subject.test.shape
     chosen["motion"] = request.motion if subject.motion_kind == "uniform" else subject.motion_kind
-    if subject.motion_kind != "fields":
+    if subject.motion_kind == "fields":
+        chosen |= {"motion_mask": request.motion_mask is not None, "motion_size": subject.motion_size}
+    else:
         chosen.pop("convention")
+    side = chosen.pop("motion_jitter_in")
+    if chosen.pop("motion_jitter") is not None:
+        chosen["motion_jitter"] = side
     return {
         **chosen,
         "fps": subject.fps,

@@ -229,10 +229,10 @@ CASES = {
         few_vectors, (*TEST, "--motion", "mv.#.exr"), "--motion mv.#.exr: has 3 frames (0-2), the test 4",
     ),
     "vectors that are NaN": (
-        vectors_that_are_no_numbers, (*TEST, "--motion", "mv.#.exr"), "mv.0002.exr: holds 3840 NaN",
+        vectors_that_are_no_numbers, (*TEST, "--motion", "mv.#.exr"), "mv.0002.exr: none of its motion",
     ),
     "vectors of another size": (
-        vectors_of_other_size, (*TEST, "--motion", "mv.#.exr"), "is 47x40 px, the test 48x40 px",
+        vectors_of_other_size, (*TEST, "--motion", "mv.#.exr"), "is 47x40 px, the frames 48x40 px: more",
     ),
     "vectors by other names": (
         vectors_by_other_names, (*TEST, "--motion", "mv.#.exr"), "it has first, second. Name them with --motion-channels",  # noqa: E501

@@ -10,6 +10,7 @@ from sequences import library
 from swimlab import __version__
 from swimlab.cli.doctor_command import CHECKS
 from swimlab.cli.main import COMMANDS
+from swimlab.footage.convention import PRESETS
 from swimlab.render.catalogue import brdfs, techniques
 
 TINY = """
@@ -227,7 +228,8 @@ def test_the_schema_is_json(swimlab):
 
 
 @pytest.mark.parametrize(
-    ("kind", "names"), [("techniques", techniques()), ("brdfs", brdfs()), ("sequences", library())]
+    ("kind", "names"),
+    [("techniques", techniques()), ("brdfs", brdfs()), ("sequences", library()), ("conventions", PRESETS)],
 )
 def test_lists_name_all_there_is(swimlab, kind, names):
     code, out, _ = swimlab("list", kind)
@@ -264,7 +266,7 @@ def test_sequences_are_listed_with_what_they_are(swimlab, monkeypatch):
 def test_a_list_of_nothing_names_its_choices(swimlab):
     code, out, err = swimlab("list")
     assert (code, out) == (2, "")
-    assert "techniques, sequences, brdfs, metrics" in err
+    assert "techniques, sequences, brdfs, metrics, conventions" in err
 
 
 def test_a_reader_that_is_gone_is_no_complaint():

@@ -103,11 +103,11 @@ def test_fields_are_cropped_in_px_of_the_whole_picture(tolerance):
     assert np.abs(motion.moved(1, 0) - since_previous(1)[20:60, 10:40]).max() < tolerance("motion")
 
 
-def test_vectors_that_are_not_numbers_are_named():
-    bad = since_previous(0)
-    bad[3, 5, 1] = np.nan
-    with pytest.raises(FrameError, match=r"mv\.0002\.exr: holds 1 NaN or infinite values, the first at pixel x 5, y 3"):
-        fields(lambda t: bad, Convention()).moved(2, 1)
+def test_a_frame_of_which_no_vector_is_known_is_named():
+    nothing = np.full((HEIGHT, WIDTH, 2), np.nan)
+    motion = fields(lambda t: nothing if t == 2 else since_previous(t), Convention())
+    with pytest.raises(FrameError, match=r"mv\.0002\.exr: none of its motion vectors is known: all are NaN, masked or"):
+        motion.vectors.survey(range(COUNT))
 
 
 def test_guesses_by_channel_names():
