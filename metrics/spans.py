@@ -123,14 +123,14 @@ def align(clip: Clip, *, keep: bool = True, room: float = ROOM, launcher: Launch
     """Align a clip's frames by its motion and coverage.
 
     keep: hold all spans, to be used again; else they are made as they are asked for, once.
-    room: bytes that places may take if the motion is not uniform, and as many motion and coverage; what does not fit is
-        found or read again.
+    room: bytes that motion and coverage may take, and half as many places if the motion is not uniform; what does not
+        fit is read or found again.
     launcher: runs the kernels; None: one with all cores.
     """
     geometry = Geometry(clip, room=room)
     steps = uniform_steps(geometry)
     together = clip.count if keep else min(clip.count, longest_unwarped(clip))
-    spans = plan(geometry, steps, launcher or Launcher(), room=room / together)
+    spans = plan(geometry, steps, launcher or Launcher(), room=room / 2 / together)
     return Alignment(geometry, steps, list(spans) if keep else spans)
 
 

@@ -134,6 +134,8 @@ def land(
     """Usable only where the place is an inner pixel, and a step of 1 px there is nowhere shorter than `shortest` px."""
     line, column = wp.tid()
     line += first
+    if usable[line, column] == wp.uint8(0):
+        return
     x = column + wp.int32(wp.rint(away[line, column][0]))
     y = top + line + wp.int32(wp.rint(away[line, column][1]))
     if x < 0 or y < 0 or x >= inner.shape[1] or y >= inner.shape[0]:

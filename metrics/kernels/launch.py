@@ -28,6 +28,7 @@ costs nothing, and a strip's visibility buffer stays in the cache."""
 
 
 _LOADING = Lock()
+_LOADED: set[tuple[str, wp.Kernel]] = set()
 
 
 class Strip(NamedTuple):
@@ -47,7 +48,6 @@ class Launcher:
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
         self.threads = threads or cores()
-        self._loaded: set[wp.Kernel] = set()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
     def close(self) -> None:
@@ -78,13 +78,13 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
-        if kernel in self._loaded:
+        if (self.device, kernel) in _LOADED:
             wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
             return
         # Building and loading a kernel is not safe in several threads at once.
         with _LOADING:
             wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
-            self._loaded.add(kernel)
+            _LOADED.add((self.device, kernel))
 
     def over(
         self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1

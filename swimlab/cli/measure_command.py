@@ -31,6 +31,7 @@ def measure_command(
     domain: Domain = "linear",
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     peers: str | None = None,
+    device: str = "cpu",
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
@@ -48,6 +49,8 @@ def measure_command(
         Write scores.json and frames.csv into this folder too; a name that ends in .json: the scores, into this file.
     peers:
         Metrics of other projects to add as columns, with commas: flip, flip-oiio, vdp.
+    device:
+        Where frames are aligned and pixels compared: cpu, or a GPU, as cuda:0.
     json_output:
         Print the scores as JSON instead of a table.
     quiet:
@@ -59,9 +62,9 @@ def measure_command(
         raise RunError("measure either a run folder or frames of your own: give RUN or --test, one of them")
     if run is not None:
         _refuse_footage(footage)
-        scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), quiet=quiet)
+        scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), device=device, quiet=quiet)
     else:
-        scores = _measure_footage(footage, domain, peers=others, quiet=quiet)
+        scores = _measure_footage(footage, domain, peers=others, device=device, quiet=quiet)
     written = None if output is None else _write(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
@@ -78,6 +81,7 @@ def measure_with_progress(
     *,
     peers: Sequence[str] = (),
     viewing: Mapping[str, float] | None = None,
+    device: str = "cpu",
     quiet: bool,
 ) -> dict[str, Any]:
     """Measure a run, showing how far it is."""
@@ -86,10 +90,14 @@ def measure_with_progress(
     tests = [name for name in record.techniques if name != REFERENCE]
     with progress(f"measuring {record.sequence['name']}", len(tests), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
-        return measure_run(run, domain=domain, peers=peers, viewing=viewing, command=command, advance=advance)
+        return measure_run(
+            run, domain=domain, peers=peers, viewing=viewing, device=device, command=command, advance=advance
+        )
 
 
-def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool) -> dict[str, Any]:
+def _measure_footage(
+    footage: Footage, domain: Domain, *, peers: Sequence[str], device: str, quiet: bool
+) -> dict[str, Any]:
     """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
 
     def say(text: str) -> None:
@@ -102,7 +110,7 @@ def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], 
     subject = Subject(footage.request(domain), say, warn)
     with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
-        scores = measure_subject(subject, peers=peers, command=command, advance=lambda *_: advance(""))
+        scores = measure_subject(subject, peers=peers, device=device, command=command, advance=lambda *_: advance(""))
     for family, reason in _absent_families(scores["sequences"][0]).items():
         say(f"no {family}: {reason}")
     return scores

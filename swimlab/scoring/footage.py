@@ -18,6 +18,7 @@ def measure_subject(
     subject: Subject,
     *,
     peers: Sequence[str] = (),
+    device: str = "cpu",
     command: str = "",
     advance: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
@@ -35,6 +36,7 @@ def measure_subject(
         rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
         peers=peers,
         progress=advance,
+        device=device,
     )
     floor = found.scores.get("quantisation.floor")
     if floor is not None:

@@ -20,6 +20,7 @@ def score_clip(
     alignment: Alignment | None = None,
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
+    device: str = "cpu",
 ) -> Measurement:
     """All scores of a clip: by `metrics`, by the named peers, and the quantisation floor.
 
@@ -27,7 +28,14 @@ def score_clip(
     `metrics.measure` takes it. Raises ClipError naming the frame that is bad, and PeerError.
     """
     found = measure(
-        test, reference, domain=domain, display=display, alignment=alignment, progress=progress, threads=threads
+        test,
+        reference,
+        domain=domain,
+        display=display,
+        alignment=alignment,
+        progress=progress,
+        threads=threads,
+        device=device,
     )
     exact = reference.reference if isinstance(reference, ReferenceFrames) else reference
     found.scores |= all_peer_scores(peers, test, exact)

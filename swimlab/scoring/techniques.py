@@ -7,6 +7,7 @@ from typing import Any
 
 from metrics import Clip, Measurement, ReferenceFrames, align, measure_scales
 from metrics.display import Domain
+from metrics.kernels.launch import Launcher
 from metrics.machine import cores
 from swimlab.footage.colour import quantisation_floor
 from swimlab.runs.clips import check_complete, display_of, read_clip, reference_error
@@ -30,6 +31,7 @@ def measure_techniques(
     domain: Domain = "linear",
     peers: Sequence[str] = (),
     viewing: Mapping[str, float] | None = None,
+    device: str = "cpu",
     advance: Callable[[str], None] = lambda _: None,
 ) -> list[dict[str, Any]]:
     """The entries of scores.json for some techniques of a run; raises as `measure_run`."""
@@ -42,7 +44,7 @@ def measure_techniques(
     if record.resizes and viewing:
         raise RunError(f"--{next(iter(viewing)).replace('_', '-')}: frames of different sizes have no visibility")
     record.sequence["viewing"] = record.sequence.get("viewing", {}) | dict(viewing or {})
-    score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain, peers)
+    score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain, peers, device)
     viewed = {} if record.resizes else {"viewing": record.sequence["viewing"]}
     display = display_of(record)
     entries = []
@@ -54,12 +56,15 @@ def measure_techniques(
     return entries
 
 
-def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]) -> Callable[[str], Measurement]:
+def _clip_scorer(
+    run: Path, record: Record, domain: Domain, peers: Sequence[str], device: str
+) -> Callable[[str], Measurement]:
     """What measures all frames of a technique as one clip; the techniques share their alignment."""
     frames = record.frames
     width, height = record.sequence["size"]
     geometry = read_clip(run, record, record.techniques[0], frames)
-    shared = align(geometry) if len(frames) * width * height * 8 < KEPT_BYTES else None
+    launcher = Launcher(device=device)
+    shared = align(geometry, launcher=launcher) if len(frames) * width * height * 8 < KEPT_BYTES else None
     display = display_of(record)
     exact = None
     if REFERENCE in record.techniques:
@@ -84,6 +89,7 @@ def _clip_scorer(run: Path, record: Record, domain: Domain, peers: Sequence[str]
             peers=peers,
             alignment=shared,
             threads=1,
+            device=device,
         )
 
     return score
