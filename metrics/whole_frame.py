@@ -23,6 +23,7 @@ from metrics.geometry import Field, Geometry, Mask, Surface
 from metrics.kernels.launch import Launcher
 from metrics.kernels.pairs import COLUMNS, compare_pairs, mark_landed, own_places, sum_blocks
 from metrics.kernels.pattern import pattern_at
+from metrics.levels import rows_of
 from metrics.measurement import Measurement, Metric
 from metrics.ratios import Ratios
 from metrics.spans import Span
@@ -33,6 +34,9 @@ ALIKE = 0.3
 
 BLOCK = 32
 """Side of the blocks of pixels by which standard errors are found, px."""
+
+FINE = 1024
+"""Up to this width and height, px, a cell of the map is half as wide as a block, and beyond as wide."""
 
 CLASSES = ("measured", "edges", "new")
 
@@ -51,7 +55,7 @@ SCORES = {
     "new.fraction": Metric("1", "information", "share of covered pixels that the frame before does not show", _CLASS),
 }
 
-Blocks = dict[str, NDArray[np.float64]]
+Cells = dict[str, NDArray[np.float64]]
 
 
 @dataclass
@@ -62,7 +66,7 @@ class WholeFrame:
     has_reference: bool
     launcher: Launcher
     _frames: list[dict[str, Any]] = field(default_factory=list)
-    _blocks: Blocks = field(default_factory=dict)
+    _cells: Cells = field(default_factory=dict)
     _last: Image | None = None
 
     def begin(self, span: Span) -> None:
@@ -127,18 +131,23 @@ class WholeFrame:
         launcher.over(height, compare_pairs, (width,), [*pictures, *fields, *masks])
         return found
 
-    def _sum(self, covered: Mask, reached: Mask, pairs: Any, error: Image) -> Blocks:
-        """Sums of every block [n], in the order of rows."""
-        launcher = self.launcher
-        down, right = (-(-length // BLOCK) for length in covered.shape)
+    @property
+    def _cell(self) -> int:
+        """Side of a cell of the map, px."""
+        return BLOCK // 2 if max(self.geometry.shape) <= FINE else BLOCK
+
+    def _sum(self, covered: Mask, reached: Mask, pairs: Any, error: Image) -> Cells:
+        """Sums of every cell of the map, [rows, columns]."""
+        launcher, cell = self.launcher, self._cell
+        down, right = (-(-length // cell) for length in covered.shape)
         sums = launcher.zeros((down, right, len(COLUMNS)), wp.float64)
         masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
-        inputs = [BLOCK, *masks, pairs, launcher.view(error, wp.float32), sums]
+        inputs = [cell, *masks, pairs, launcher.view(error, wp.float32), sums]
         launcher.each(range(down), lambda row: launcher.launch(sum_blocks, (1, right), [row, *inputs]))
-        return dict(zip(COLUMNS, sums.numpy().reshape(-1, len(COLUMNS)).T, strict=True))
+        return dict(zip(COLUMNS, np.moveaxis(sums.numpy(), 2, 0), strict=True))
 
     def _put(self, name: str, values: NDArray[np.float64]) -> None:
-        self._blocks[name] = self._blocks.get(name, 0.0) + values
+        self._cells[name] = self._cells.get(name, 0.0) + values
 
     def finish(self) -> Measurement:
         """Scores, and the errors of each frame."""
@@ -150,22 +159,46 @@ class WholeFrame:
             self._score(found, f"{name}.mse", name, f"{name} pixels", reason)
         self._score(found, "edges.flicker", "edges flicker", "edges pixels", "tiles reach every pixel")
         self._score(found, "edges.floor", "glued flicker", "glued energy", "tiles reach every pixel")
+        if self._cells:
+            found.curves["frame.map"] = self._map()
+        return found
+
+    def _map(self) -> dict[str, list[Any]]:
+        """Cell by cell, a text a row of the picture: shares of the classes in percent of all pixels and frames, and the
+        flicker of edges in decibels to 1 radiance^2, as `levels.rows_of` has them. cell: its side, px.
+        """
+        all_pixels = self._cell**2 * len(self._frames)
+        shares = {name: np.rint(100 * self._cells[f"{name} pixels"] / all_pixels).astype(int) for name in CLASSES}
+        found: dict[str, list[Any]] = {"cell": [self._cell]}
+        found |= {name: [" ".join(map(str, row)) for row in share.tolist()] for name, share in shares.items()}
+        if self.has_reference:
+            edges = self._cells["edges pixels"]
+            flicker = np.divide(self._cells["edges flicker"], edges, out=np.zeros_like(edges), where=edges > 0)
+            found["flicker"] = list(rows_of(flicker))
         return found
 
     def _score(self, found: Measurement, score: str, part: str, weight: str, reason: str) -> None:
-        if part not in self._blocks and not part.startswith("glued"):
+        if part not in self._cells and not part.startswith("glued"):
             found.put(score, None, "needs a reference")
             return
-        weights = self._blocks.get(weight, np.zeros(1))
+        weights = in_blocks(self._cells.get(weight, np.zeros((1, 1))), BLOCK // self._cell)
         if not weights.sum() > 0:
             found.put(score, None, reason)
             return
         if score.endswith((".fraction", ".floor")):  # of geometry alone, no chance in it
-            found.put(score, self._blocks[part].sum() / weights.sum(), "", error=0.0)
+            found.put(score, self._cells[part].sum() / weights.sum(), "", error=0.0)
             return
         ratios = Ratios()
-        ratios.add(BLOCK, weights, {part: self._blocks[part]})
+        ratios.add(BLOCK, weights, {part: in_blocks(self._cells[part], BLOCK // self._cell)})
         found.put(score, ratios.value(part), "", error=ratios.error(part) or 0.0, replicates=ratios.replicates(part))
+
+
+def in_blocks(cells: NDArray[np.float64], side: int) -> NDArray[np.float64]:
+    """Sums of cells [rows, columns] over blocks of side x side of them, in the order of rows."""
+    down, right = (-(-length // side) * side for length in cells.shape)
+    padded = np.zeros((down, right))
+    padded[: cells.shape[0], : cells.shape[1]] = cells
+    return np.asarray(padded.reshape(down // side, side, right // side, side).sum(axis=(1, 3)).ravel())
 
 
 def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
@@ -185,8 +218,8 @@ def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
     return owner
 
 
-def pair_flicker(sums: Blocks) -> NDArray[np.float64]:
-    """Flicker of every block's edges [n], summed over their pixels.
+def pair_flicker(sums: Cells) -> NDArray[np.float64]:
+    """Flicker of every cell's edges, summed over their pixels.
 
     Of the energy that interpolation takes, the share that flickers is added to all in proportion.
     """

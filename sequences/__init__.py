@@ -11,7 +11,7 @@ from .load import library, load, schema
 from .motion import Motion
 from .motions import MOTIONS
 from .problems import SequenceError
-from .scene import Material, Road, Scene, Sun, Wires
+from .scene import Material, Posts, Road, Scene, Sun, Wires
 from .sequence import Sequence
 from .view import View
 from .viewing import Viewing
@@ -23,6 +23,7 @@ __all__ = [
     "Display",
     "Material",
     "Motion",
+    "Posts",
     "Road",
     "Scene",
     "Sequence",

@@ -128,11 +128,34 @@ class Wires(Table):
         return ((np.arange(self.count) + 0.5) / self.count - 0.5) * road.width
 
 
+class Posts(Table):
+    """Upright boards across the road and thin rails along them, of its material: they hide the road and show it again.
+
+    The boards stand in rows along the road, at y = 0 and every `spacing` m; each row has a rail at their upper ends.
+    """
+
+    rows: tuple[Real, ...] = Field(
+        (-2.5, 2.5), min_length=1, max_length=16, description="where the rows stand, m right of the centre line (1..16)"
+    )
+    spacing: Real = Field(6.0, gt=0, le=1000, description="m from a post to the next one along the road (0..1000)")
+    width: Real = Field(0.25, gt=0, le=100, description="width of a post, m (0..100)")
+    height: Real = Field(1.0, gt=0, le=100, description="height of the posts above the road, m (0..100)")
+    rail: Real = Field(0.03, ge=0, le=10, description="width of the rails, m (0..10); 0 for none")
+
+    @field_validator("rows")
+    @classmethod
+    def _each_once(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        if len(set(value)) < len(value):
+            raise ValueError("two rows stand at one place; give each place once")
+        return value
+
+
 class Scene(Table):
-    """What stands still: road, wires over it, material, sun."""
+    """What stands still: road, wires over it, posts on it, material, sun."""
 
     road: Road = Field(default=Road(), description="shape of the road")
     wires: Wires | None = Field(None, description="thin ribbons over the road; none unless given")
+    posts: Posts | None = Field(None, description="posts and rails along the road; none unless given")
     material: Material = Field(default=Material(), description="reflectance model and maps")
     sun: Sun = Field(default=Sun(), description="the light")
 

@@ -1,5 +1,6 @@
-"""The scene as an indexed triangle mesh about the eye: the road, and the wires over it."""
+"""The scene as an indexed triangle mesh about the eye: the road, and what hangs over it and stands on it."""
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -7,12 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sequences import Camera, Road, Scene
+from sequences import Camera, Posts, Road, Scene
 
 Doubles = NDArray[np.float64]
 
 ROWS_PER_WAVE = 64
 """Quads along one wave of a hilly road: a chord is then off the sine by at most amplitude / 830."""
+UPRIGHT = 1e4
+"""Slope of what stands upright, in place of an infinite one: its normal is off by 1e-4 rad."""
 WIRE_U = (0.0545, 0.0588)
 """The band of u that wires show: within the left edge line of made asphalt, and as wide as to hold the centre of a
 texel of every map and target of 64 texels and more."""
@@ -28,7 +31,7 @@ class Mesh:
     slope: [N], dz/dy of the road.
     triangles: [M, 3], indices of vertices, counter-clockwise seen from above.
     segments: [M], the chart each triangle belongs to: the road's segments, counted along the road from y = 0, come
-        first and have the lowest numbers; each wire has charts of its own.
+        first and have the lowest numbers; each wire and post has charts of its own.
     loose: [M], whether the triangle lies over others, so that leaving it out tears no hole.
     """
 
@@ -57,7 +60,7 @@ class Ribbon(NamedTuple):
 
 
 def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
-    """Road and wires from one segment behind the eye to exactly `road.length` ahead of it, cut at segments' ends.
+    """Road, wires and posts from one segment behind the eye to exactly `road.length` ahead, cut at segments' ends.
 
     Each segment has its own vertices, in `tessellation(road)` quads; a wire has one quad across.
     """
@@ -67,6 +70,9 @@ def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
     if scene.wires is not None:
         width, lift = scene.wires.width, scene.wires.height
         ribbons += [Ribbon(x, width, WIRE_U, lift, 1) for x in scene.wires.places(road).tolist()]
+    posts = scene.posts
+    if posts is not None and posts.rail > 0:
+        ribbons += [Ribbon(x, posts.rail, WIRE_U, posts.height, 1) for x in posts.rows]
     start = camera.distance - road.segment
     end = camera.distance + road.length
     segments = range(int(np.floor(start / road.segment)), int(np.ceil(end / road.segment)))
@@ -81,7 +87,33 @@ def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
             part = _patch(road, camera, ribbon, origin, v, count, segment + index * len(segments))
             count += len(part.positions)
             parts.append(part)
+    if posts is not None:
+        places = posts.spacing * np.arange(np.ceil(start / posts.spacing), np.floor(end / posts.spacing) + 1)
+        for y, x in itertools.product(places.tolist(), posts.rows):
+            chart = segments.stop + (len(ribbons) - 1) * len(segments) + len(parts)
+            parts.append(_board(road, camera, posts, (x, y), count, chart))
+            count += len(parts[-1].positions)
     return Mesh(*(np.concatenate(columns) for columns in zip(*(vars(part).values() for part in parts), strict=True)))
+
+
+def _board(road: Road, camera: Camera, posts: Posts, place: tuple[float, float], count: int, chart: int) -> Mesh:
+    """A post at (x, y), m in the road's axes, that turns its face to where the road comes from.
+
+    It shows the maps in their own size, from the left edge of the road and the beginning of a segment on.
+    """
+    x, y = place
+    side, up = np.array([-0.5, 0.5, 0.5, -0.5]), np.array([0.0, 0.0, 1.0, 1.0])
+    foot = float(road.height_at(np.array([y]))[0]) - float(camera.eye(road)[2])
+    corners = [x + side * posts.width - camera.lateral, np.full(4, y - camera.distance), foot + up * posts.height]
+    shown = np.minimum(1.0, [posts.width / road.width, posts.height / road.segment])
+    return Mesh(
+        positions=np.stack(corners, axis=1),
+        uv=np.stack([side + 0.5, up], axis=1) * shown,
+        slope=np.full(4, UPRIGHT),
+        triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32) + np.int32(count),
+        segments=np.full(2, chart),
+        loose=np.ones(2, dtype=bool),
+    )
 
 
 def tessellation(road: Road) -> tuple[int, int]:

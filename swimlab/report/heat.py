@@ -26,13 +26,18 @@ def cells(values: Values, low: float, high: float, box: Box) -> str:
     share = np.nan_to_num(np.clip((values - low) / (high - low), 0.0, 1.0))
     colours = _colours()[np.rint(share * (STEPS - 1)).astype(int)]
     colours[np.isnan(values)] = UNKNOWN
-    return _image(webp(colours), box)
+    return image(colours, box)
+
+
+def image(codes: NDArray[np.uint8], box: Box) -> str:
+    """An SVG image of sRGB codes [rows, columns, 3] in a box (left, top, right, bottom)."""
+    return _picture(webp(codes), box)
 
 
 def scale_bar(low: float, high: float, *, label: str, box: Box, log: bool = False) -> list[str]:
     """The colours from `low` to `high` with their values and what they are; `log`: the values are powers of ten."""
     left, top, right, _ = box
-    body = [_image(_all_colours(), (left, top, right, top + BAR))]
+    body = [_picture(_all_colours(), (left, top, right, top + BAR))]
     marks = [(k, f"{10.0**k:g}") for k in range(math.ceil(low), math.floor(high) + 1)] if log else _ticks(low, high)
     for value, text in marks:
         at = left + (value - low) / (high - low) * (right - left)
@@ -46,7 +51,7 @@ def numbers(rows: Sequence[Sequence[float | None]]) -> Values:
     return np.array([[math.nan if value is None else value for value in row] for row in rows], dtype=np.float64)
 
 
-def _image(picture: str, box: Box) -> str:
+def _picture(picture: str, box: Box) -> str:
     left, top, right, bottom = box
     return (
         f'<image class="cells" x="{left:.1f}" y="{top:.1f}" width="{right - left:.1f}" height="{bottom - top:.1f}" '

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from swimlab.report.bands_strip import strip
+from swimlab.report.class_maps import class_map, edge_map
 from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import srgb, webp
 from swimlab.report.figures import Figure
@@ -16,7 +17,15 @@ from swimlab.runs.record import REFERENCE
 Entry = Mapping[str, Any]
 
 THUMBNAIL = (128, 96)
-TITLES = ("Error by frame and frequency band", "Spectrum of the error in two dimensions", "Motion-plane slice")
+DRAWN = {
+    "Error by frame and frequency band": (strip, "budget.mse"),
+    "Classes of pixels": (class_map, "measured.fraction"),
+    "Flicker of edges": (edge_map, "edges.flicker"),
+    "Spectrum of the error in two dimensions": (spectrum_map, "moire.excess"),
+    "Motion-plane slice": (plane_slice, "plane.on"),
+}
+"""Title of a chart -> what draws it, and the score whose absence says why there is none."""
+TITLES = tuple(DRAWN)
 
 
 class Maps(NamedTuple):
@@ -28,12 +37,12 @@ class Maps(NamedTuple):
 
 
 def maps(run: Run, entries: Sequence[Entry]) -> Maps:
-    """Strip, spectrum and slice of each technique of one sequence; that which flickers most is shown first.
+    """The charts of each technique of one sequence; that which flickers most is shown first.
 
     Raises FrameError where a picture whose stripes are to be drawn cannot be read.
     """
     tests = [entry for entry in entries if entry["technique"] != REFERENCE]
-    drawn = {entry["technique"]: [strip(entry), spectrum_map(entry), plane_slice(entry)] for entry in tests}
+    drawn = {entry["technique"]: [draw(entry) for draw, _ in DRAWN.values()] for entry in tests}
     region = disputed_region(run, run.frames[0], THUMBNAIL) if any(map(peaks_of, tests)) else None
     found = {}
     for entry in tests:
@@ -66,13 +75,13 @@ def _on_picture(run: Run, entry: Entry, region: Region) -> Figure:
 
 def _why_not(tests: Sequence[Entry], title: str) -> str:
     """In the words of the measure, as far as it says."""
-    score = {TITLES[0]: "budget.mse", TITLES[1]: "moire.excess", TITLES[2]: "plane.on"}[title]
+    score = DRAWN[title][1]
     reasons = [entry.get("absent", {}).get(score) for entry in tests]
     if any("scale" in entry.get("curves", {}) for entry in tests):
         return "frames of different sizes are no clip"
     few = "needs a reference and 16 frames under one motion, or was measured by an earlier version"
     other = "was measured by an earlier version: measure the run again"
-    return next((reason for reason in reasons if reason), few if title == TITLES[2] else other)
+    return next((reason for reason in reasons if reason), few if score == "plane.on" else other)
 
 
 def _flicker(tests: Sequence[Entry], name: str) -> float:

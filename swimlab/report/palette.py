@@ -1,7 +1,7 @@
 """One colour per technique, the same in every table, legend and chart, distinguished with any colour vision.
 
 Colours of techniques: Paul Tol's "bright" scheme (Tol, Colour Schemes, SRON/EPS/TN/09-002, 2021), with dashes, and
-other marks, when it runs out. Colours of parts: Okabe and Ito, Color Universal Design, 2008.
+other marks, when it runs out. Colours of parts and of classes of pixels: Okabe and Ito, Color Universal Design, 2008.
 """
 
 from collections.abc import Sequence
@@ -28,6 +28,7 @@ class Ink(NamedTuple):
 
 TECHNIQUES = ("#ee6677", "#ccbb44", "#66ccee", "#4477aa", "#aa3377", "#228833")
 DASHES = ("", "6 3", "2 3")
+CLASSES = {"measured": "#0072b2", "edges": "#e69f00", "new": "#cc79a7"}
 PARTS = {
     "bias": "#999999",
     "detail": "#56b4e9",

@@ -19,6 +19,7 @@ from report_runs import make_run, make_scores
 from metrics import Clip, measure
 from metrics.levels import levels_of, rows_of
 from swimlab.report.bands_strip import strip
+from swimlab.report.class_maps import class_map, edge_map, rgb
 from swimlab.report.figures import figures
 from swimlab.report.heat import STEPS, UNKNOWN, cells
 from swimlab.report.maps import TITLES, maps
@@ -209,6 +210,30 @@ def test_a_spike_is_named_and_a_calm_line_is_not() -> None:
     assert drawn["Flicker over time"].svg.count('<g data-name="pixel-point">') == 1
 
 
+FRAME_MAP = {
+    "cell": [16],
+    "measured": ["100 0 0", "0 50 0"],
+    "edges": ["0 100 0", "0 50 0"],
+    "new": ["0 0 100", "0 0 0"],
+    "flicker": ["-120 -20 -120", "-120 -40 -120"],
+}
+
+
+def test_a_class_of_pixels_has_its_colour_where_it_is() -> None:
+    item = an_entry("tsl", curves={"frame.map": FRAME_MAP})
+    item["scores"] |= {"measured.fraction": 0.5, "edges.fraction": 0.3, "new.fraction": 0.2, "edges.flicker": 0.01}
+    svg, sentence = class_map(item)
+    codes = picture_of(svg)
+    assert [tuple(codes[0, column]) for column in range(3)] == [tuple(rgb(colour)) for colour in CLASSES.values()]
+    assert not codes[1, 0].any()
+    assert codes[1, 1] == pytest.approx((rgb(CLASSES["measured"]) + rgb(CLASSES["edges"])) / 2, abs=1)
+    assert "tiles reach 50%" in sentence
+    svg, sentence = edge_map(item)
+    assert (picture_of(svg)[[0, 0, 1, 1], [0, 2, 0, 2]] == UNKNOWN).all()
+    assert "rms 0.1, about (24, 8) px; on average 0.1" in sentence
+    assert edge_map(an_entry("tsl")) == class_map(an_entry("tsl")) == ("", "")
+
+
 @pytest.fixture
 def full(tmp_path: Path) -> tuple[Path, dict[str, Any]]:
     """A run folder and scores with every curve; one technique has a peak."""
@@ -216,6 +241,8 @@ def full(tmp_path: Path) -> tuple[Path, dict[str, Any]]:
     for place, item in enumerate(scores["sequences"]):
         item["curves"] |= a_map([(0.1, 0.05, 18.0)] if place else [])
         item["curves"]["budget.strip"] = a_strip([[0.1] * 6] * 6)
+        item["curves"]["frame.map"] = FRAME_MAP
+        item["scores"] |= {"measured.fraction": 0.5, "edges.fraction": 0.3, "new.fraction": 0.2, "edges.flicker": 0.01}
         item["curves"]["plane.slice"] = a_slice(np.full((32, 33), 1e-6))
     return make_run(tmp_path), scores
 
