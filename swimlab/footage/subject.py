@@ -10,6 +10,8 @@ import numpy as np
 from metrics import Clip
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.channels import find_pair
+from swimlab.footage.check.still import verify_still
+from swimlab.footage.check.verdict import Verification
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.header import LOSSY
 from swimlab.footage.motion import EstimatedMotion, FieldMotion, Motion, UniformMotion
@@ -80,8 +82,8 @@ class Subject:
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
         self.motion_kind, self.motion = self._open_motion()
-        if not request.unverified:
-            self._verify()
+        self.checked = self._verify()
+        """How well the motion fits the frames."""
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""
@@ -174,18 +176,23 @@ class Subject:
                 raise FrameError(f"{problems[index]} (motion vectors of skipped frames are needed too)")
         return FieldMotion(reader, part, channels_found, convention, self.request.look.crop)
 
-    def _verify(self) -> None:
-        if self.motion_kind not in ("uniform", "fields"):
-            return
-        source = self.reference or self.test
-        clean = self.reference is not None
-        checked = verify(self.motion, source.picture, self._coverage(), self.kept, clean=clean)
-        checked.check()
-        if checked.note:
-            self.note(checked.note)
-        if checked.doubt:
-            self.notes.append(f"motion not verified: {checked.doubt}")
+    def _verify(self) -> Verification:
+        """Hold the motion against the frames. Raises FrameError where it is wrong, unless that is asked for."""
+        source, clean = self.reference or self.test, self.reference is not None
+        if self.motion_kind in ("uniform", "fields"):
+            numbers = self.test.reader.numbers
+            found = verify(self.motion, source.picture, self._coverage(), self.kept, clean=clean, numbers=numbers)
+        else:
+            given = self.motion_kind == "none"
+            found = verify_still(source.picture, self._coverage(), self.kept, clean=clean, given=given)
+        if not self.request.unverified:
+            found.check()
+        if found.note:
+            self.note(found.note)
+        for text in filter(None, (found.error, found.doubt)):
+            self.notes.append(f"motion not verified: {text}")
             self._warn(self.notes[-1])
+        return found
 
     def _good_frames(self) -> list[int]:
         """Indices of the frames to measure. Raises FrameError for the first bad one, unless bad ones are skipped."""
