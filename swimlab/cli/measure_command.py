@@ -45,7 +45,8 @@ def measure_command(
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     output:
-        Write scores.json and frames.csv into this folder too; a name that ends in .json: the scores, into this file.
+        Write scores.json, frames.csv and a picture of where the motion does not fit into this folder too; a name that
+        ends in .json: the scores, into this file.
     peers:
         Metrics of other projects to add as columns, with commas: flip, flip-oiio, vdp.
     json_output:
@@ -61,7 +62,8 @@ def measure_command(
         _refuse_footage(footage)
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), quiet=quiet)
     else:
-        scores = _measure_footage(footage, domain, peers=others, quiet=quiet)
+        folder = None if output is None or scores_path(output) == output or output.is_file() else output
+        scores = _measure_footage(footage, domain, peers=others, quiet=quiet, pictures=folder)
     written = None if output is None else _write(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
@@ -89,7 +91,9 @@ def measure_with_progress(
         return measure_run(run, domain=domain, peers=peers, viewing=viewing, command=command, advance=advance)
 
 
-def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool) -> dict[str, Any]:
+def _measure_footage(
+    footage: Footage, domain: Domain, *, peers: Sequence[str], quiet: bool, pictures: Path | None
+) -> dict[str, Any]:
     """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
 
     def say(text: str) -> None:
@@ -99,7 +103,7 @@ def _measure_footage(footage: Footage, domain: Domain, *, peers: Sequence[str], 
     def warn(text: str) -> None:
         print(f"swimlab: warning: {text}", file=sys.stderr)
 
-    subject = Subject(footage.request(domain), say, warn)
+    subject = Subject(footage.request(domain), say, warn, pictures=pictures)
     with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
         scores = measure_subject(subject, peers=peers, command=command, advance=lambda *_: advance(""))

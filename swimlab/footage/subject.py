@@ -10,6 +10,7 @@ import numpy as np
 from metrics import Clip
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.channels import find_pair
+from swimlab.footage.check.picture import write_region
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.check.verdict import Verification
 from swimlab.footage.convention import PRESETS, Convention
@@ -23,6 +24,7 @@ from swimlab.runs.frames import FrameError, Image
 
 ESTIMATE = "estimate"
 FPS = 60.0
+PICTURE = "motion_check.png"
 
 _VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 _SAMPLED = 3
@@ -56,9 +58,17 @@ class Request:
 class Subject:
     """The opened inputs of a request: which frames are measured, and how they move."""
 
-    def __init__(self, request: Request, say: Callable[[str], None], warn: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        request: Request,
+        say: Callable[[str], None],
+        warn: Callable[[str], None],
+        *,
+        pictures: Path | None = None,
+    ) -> None:
         """say, warn: called with what a reader of the scores should know, and with what may make them wrong.
 
+        pictures: folder for a picture of where the motion does not fit, which is written before anything is raised.
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
         self.notes: list[str] = []
@@ -82,7 +92,7 @@ class Subject:
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
         self.motion_kind, self.motion = self._open_motion()
-        self.checked = self._verify()
+        self.checked = self._verify(pictures)
         """How well the motion fits the frames."""
 
     def clips(self) -> tuple[Clip, Clip | None]:
@@ -126,6 +136,7 @@ class Subject:
             coverage=None if coverage is None else lambda t: coverage(kept[t]),
             pixels_per_degree=self.request.pixels_per_degree,
             luminance=self.request.luminance,
+            cuts=tuple(kept.index(cut) for cut in self.checked.cuts),
         )
 
     def _coverage(self) -> Callable[[int], Image] | None:
@@ -176,15 +187,19 @@ class Subject:
                 raise FrameError(f"{problems[index]} (motion vectors of skipped frames are needed too)")
         return FieldMotion(reader, part, channels_found, convention, self.request.look.crop)
 
-    def _verify(self) -> Verification:
+    def _verify(self, pictures: Path | None) -> Verification:
         """Hold the motion against the frames. Raises FrameError where it is wrong, unless that is asked for."""
         source, clean = self.reference or self.test, self.reference is not None
+        coverage, numbers = self._coverage(), self.test.reader.numbers
         if self.motion_kind in ("uniform", "fields"):
-            numbers = self.test.reader.numbers
-            found = verify(self.motion, source.picture, self._coverage(), self.kept, clean=clean, numbers=numbers)
+            found = verify(self.motion, source.picture, coverage, self.kept, clean=clean, numbers=numbers)
         else:
             given = self.motion_kind == "none"
-            found = verify_still(source.picture, self._coverage(), self.kept, clean=clean, given=given)
+            found = verify_still(source.picture, coverage, self.kept, clean=clean, given=given, numbers=numbers)
+        if pictures is not None and found.region is not None:
+            path = pictures / PICTURE
+            write_region(path, source.picture(self.kept[len(self.kept) // 2]), found.region)
+            self._say(f"{path}: where the motion does not fit")
         if not self.request.unverified:
             found.check()
         if found.note:

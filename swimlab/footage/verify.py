@@ -52,24 +52,23 @@ def verify(
     *,
     clean: bool = False,
     numbers: Sequence[int] | None = None,
-    advance: Callable[[int], None] = lambda _: None,
 ) -> Verification:
     """Hold a motion against frames.
 
     picture: index -> [H, W, 3] radiance, of the reference where there is one. coverage: index -> [H, W], compared where
     it is 1. frames: the indices that are measured, in order. clean: pictures follow their surface, as references do.
-    numbers: of all frames, by index, as in the names of their files. advance: called with each frame that is read.
+    numbers: of all frames, by index, as in the names of their files.
     """
 
     def number(index: int) -> int:
         return index if numbers is None else numbers[index]
 
     grey = Frames(picture, coverage, frames)
-    pairs = fit_pairs(motion, grey, frames, advance)
+    pairs = fit_pairs(motion, grey, frames)
     repeated = repeated_frames(pairs)
     shown = [index for index in frames if index not in set(repeated)]
     if repeated:
-        pairs = fit_pairs(motion, grey, shown, advance)
+        pairs = fit_pairs(motion, grey, shown)
     cuts = find_cuts(pairs, grey)
     pairs = [pair for pair in pairs if pair.late not in cuts]
     strays = stray_shifts(pairs, grey)

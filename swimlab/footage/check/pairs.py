@@ -1,6 +1,5 @@
 """Every frame against the one before: what the motion leaves, and the shift of the whole picture that it lacks."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -41,19 +40,13 @@ class PairFit:
     blocks: Values
 
 
-def fit_pairs(
-    motion: Motion, frames: Frames, indices: list[int], advance: Callable[[int], None] = lambda _: None
-) -> list[PairFit]:
-    """All pairs of neighbours, those that have too little in view left out. Frames are read once, in order.
-
-    advance: called with the index of each frame that is done.
-    """
+def fit_pairs(motion: Motion, frames: Frames, indices: list[int]) -> list[PairFit]:
+    """All pairs of neighbours, those that have too little in view left out. Frames are read once, in order."""
     found = []
     for early, late in pairwise(indices):
         pair = _fit(motion, frames, late, early)
         if pair is not None:
             found.append(pair)
-        advance(late)
     return found
 
 

@@ -1,6 +1,6 @@
 """Frames without a motion: whether their content moves all the same."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,17 +42,17 @@ def verify_still(
     *,
     clean: bool = False,
     given: bool = True,
-    advance: Callable[[int], None] = lambda _: None,
+    numbers: Sequence[int] | None = None,
 ) -> Verification:
     """Whether frames stand still, as they must where no motion is given; the rest as of `verify`.
 
     given: False: the motion is estimated, so that cuts alone are looked for.
     """
     grey = Frames(picture, coverage, frames)
-    pairs = fit_pairs(UniformMotion((0.0, 0.0), grey.shape), grey, frames, advance)
+    pairs = fit_pairs(UniformMotion((0.0, 0.0), grey.shape), grey, frames)
     cuts = find_cuts(pairs, grey, moving=True)
     pairs = [pair for pair in pairs if pair.late not in cuts]
-    said = events_said(cuts, [], 0, lambda index: index)
+    said = events_said(cuts, [], 0, lambda index: index if numbers is None else numbers[index])
     residual = float(np.median([pair.given for pair in pairs])) if pairs and given else None
     found = Verification(residual=residual, cuts=tuple(cuts), note=said)
     moving = _judge(grey, pairs) if given else None
