@@ -1,5 +1,6 @@
 """Motion checked over every pair of frames and long baselines: what is wrong is found, named, and nothing else."""
 
+import json
 import re
 
 import numpy as np
@@ -9,7 +10,7 @@ from swimlab.footage.check.jitter import estimate_jitter
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.motion import UniformMotion
 from swimlab.footage.verify import verify
-from swimlab.runs.frames import FrameError
+from swimlab.runs.frames import FrameError, write_channels
 
 HEIGHT, WIDTH, COUNT = 96, 128, 16
 
@@ -231,3 +232,65 @@ def test_still_pictures_that_flicker_pass(how, clean):
     ]
     found = verify_still(lambda t: frames[t], None, list(range(COUNT)), clean=clean)
     assert (found.error, found.doubt) == ("", "")
+
+
+def test_jitter_that_is_estimated_is_what_the_vectors_have_too_much(tolerance):
+    """Vectors of frame t hold jitter[t] - jitter[t - 1]; frames that are left out keep the one before."""
+    frames = moved((1.3, 0.4))
+    jitter = offsets(8)
+    vectors = fields((1.3, 0.4))
+    for t in range(1, COUNT):
+        vectors[t] += jitter[t] - jitter[t - 1]
+    kept = [t for t in range(COUNT) if t != 5]
+    found = estimate_jitter(Vectors(vectors), lambda t: frames[t], None, kept, COUNT)
+    assert found.shape == (COUNT, 2)
+    assert np.abs(found.mean(axis=0)).max() < tolerance("rounding")
+    assert np.array_equal(found[5], found[4])
+    assert np.abs((found[6] - found[4]) - (jitter[6] - jitter[4])).max() < tolerance("jitter")
+
+
+def test_what_is_wrong_stands_in_scores_with_a_picture(swimlab, tmp_path):
+    """The sky has no vectors while the picture moves: refused, and measured all the same if that is asked for."""
+    frames = moved((1.6, 0.0))
+    stored = fields((1.6, 0.0))
+    for t in range(COUNT):
+        stored[t][:48] = 0
+        write_channels(tmp_path / f"f.{t:04d}.exr", frames[t].astype("f4"), tuple("RGB"), half=False, metadata={})
+        write_channels(tmp_path / f"v.{t:04d}.exr", stored[t].astype("f4"), tuple("XY"), half=False, metadata={})
+    words = ("measure", "--test", "f.####.exr", "--motion", "v.####.exr", "-o", "out", "--json")
+    code, _, err = swimlab(*words)
+    assert code == 2
+    assert "does not fit at x 0-127, y 0-47 (" in err
+    assert "while the picture moves by 1.6,0 px a frame" in err
+    assert (tmp_path / "out" / "motion_check.png").exists()
+    code, out, err = swimlab(*words, "--motion-unverified", "-q")
+    assert code == 0
+    assert "does not fit at x 0-127, y 0-47 (" in err
+    entry = json.loads(out)["sequences"][0]["motion_check"]
+    assert entry["verdict"] == "wrong"
+    assert entry["scale"] == [pytest.approx(1, abs=0.01), None]
+    assert 0.4 < entry["unfit_fraction"] < 0.6
+    assert (entry["frames"], entry["jitter"], entry["cuts"], entry["repeated"]) == ([], 0.0, [], [])
+
+
+def test_content_that_moves_without_motion_is_said_even_quietly(swimlab, tmp_path):
+    for t, frame in enumerate(moved((2.0, 0.0))):
+        write_channels(tmp_path / f"f.{t:04d}.exr", frame.astype("f4"), tuple("RGB"), half=False, metadata={})
+    code, out, err = swimlab("measure", "--test", "f.####.exr", "-q", "--json")
+    assert code == 0
+    assert "content moves by about 2,0 px a frame: give --motion 2,0 or estimate" in err
+    assert json.loads(out)["sequences"][0]["motion_check"]["verdict"] == "partly"
+    code, _, err = swimlab("measure", "--test", "f.####.exr", "--reference", "f.####.exr", "-q")
+    assert code == 2
+    assert "--motion: is not given, but content moves" in err
+
+
+def test_of_readings_that_are_better_the_best_is_named():
+    """The first that is clearly better left .04 here, the best one nothing."""
+
+    class Told(UniformMotion):
+        def variants(self):
+            return {"near": ("--near", uniform((1.5, 0.35))), "best": ("--best", uniform((1.5, 0.5)))}
+
+    with pytest.raises(FrameError, match=r"best leaves 0\.0.* Use --best, or"):
+        check(Told((-1.5, 0.5), (HEIGHT, WIDTH)), moved((1.5, 0.5), noise=0.01)).check()
