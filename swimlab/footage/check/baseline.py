@@ -25,7 +25,8 @@ class Scale:
 
     factor: by which the motion is to be multiplied; 1 where it does not travel. drift: px a frame to be added where it
     does not. error: the standard error of either; infinite where the picture does not tell. travel: px over the
-    baseline. explained: share of the energy left over the baseline that the correction takes away.
+    baseline. explained: share of the energy left over the baseline that the correction takes away; better: share of the
+    points that it does good.
     """
 
     factor: Values
@@ -34,6 +35,7 @@ class Scale:
     travel: Values
     apart: int
     explained: float
+    better: float
 
     @property
     def off(self) -> Values:
@@ -87,6 +89,7 @@ def fit_scale(motion: Motion, frames: Frames, run: list[int]) -> Scale | None:
         error=unsure,
         travel=travels,
         apart=length,
+        better=float(np.mean([window.fit.better for window in found])),
         explained=1 - after / before if before > 0 else 0.0,
     )
 

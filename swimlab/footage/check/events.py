@@ -29,6 +29,8 @@ MENDED = 0.5
 """A shift is the vectors' fault if it takes away this share of the energy that a pair leaves."""
 _FLOWN = 0.3
 """... and optical flow, which fits noise too, if it leaves this share of what the motion leaves, rms."""
+MOST = 0.6
+"""... and if this share of the points fits better with it: half do by chance, or where a few points rule."""
 FEW = 0.34
 """Up to this share of pairs that stray is a fault of single frames, more is jitter."""
 _SMOOTH = 9
@@ -93,7 +95,7 @@ def stray_shifts(pairs: list[PairFit], frames: Frames) -> Values:
         near = shifts[max(0, k - _SMOOTH // 2) : k + _SMOOTH // 2 + 1]
         stray = shifts[k] - np.median(near, axis=0)
         sure = np.hypot(*stray) > max(STRAY, SURE * float(np.hypot(*np.where(np.isfinite(pair.error), pair.error, 0))))
-        if sure and pair.rigid**2 <= (1 - MENDED) * pair.given**2:
+        if sure and pair.better > MOST and pair.rigid**2 <= (1 - MENDED) * pair.given**2:
             strays[k] = stray
         elif pair.given > _LEAP * usual:
             strays[k] = _flown(pair, frames)

@@ -13,13 +13,15 @@ OFF = 0.1
 """... and px over the baseline."""
 NOTICED = 0.1
 """... and share of what is left that it explains: less is no fault that scores show."""
+MOST = 0.53
+"""... and of this share of the points: half do by chance, or where a few points rule."""
 UNSURE = 0.05
 """A factor is known if it is so within a standard error of this."""
 
 
 def off(scale: Scale | None) -> NDArray[np.bool_]:
     """[2] whether the motion is off along x and y, beyond what noise makes."""
-    if scale is None or scale.explained < NOTICED:
+    if scale is None or scale.explained < NOTICED or scale.better < MOST:
         return np.zeros(2, np.bool_)
     return np.asarray((scale.off > OFF) & (scale.off > SURE * scale.unsure))
 

@@ -20,7 +20,7 @@ class Grey:
     """One frame: grey / (typical + |grey|), from -1 to 1, as a cubic spline."""
 
     def __init__(self, picture: Image, typical: float, covered: NDArray[np.bool_] | None) -> None:
-        grey = picture.mean(axis=2, dtype=np.float64)
+        grey = picture.astype(np.float64) @ np.full(3, 1 / 3)
         self.codes = grey / (typical + np.abs(grey))
         self.covered = covered
         self._spline: NDArray[np.float64] | None = None

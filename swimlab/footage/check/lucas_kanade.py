@@ -3,7 +3,8 @@
 A frame differs from the earlier one, taken from where a motion says, by gradient times what the motion lacks; noise and
 flicker do not follow the gradient. Source: Lucas and Kanade, An iterative image registration technique with an
 application to stereo vision, IJCAI 1981. Standard errors count each block of the picture once, since neighbouring
-pixels share their noise: Liang and Zeger, Biometrika 73 (1986).
+pixels share their noise: Liang and Zeger, Biometrika 73 (1986). Points that no common displacement explains weigh
+little, as highlights, thin geometry and what comes into view: Black and Anandan, CVIU 63 (1996).
 """
 
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ _ROUNDS = 5
 _STEP = 1.0
 """A round moves no point further than this, px: gradients tell of no more."""
 _DONE = 1e-4
+_ROUNDING = 1e-7
 _BLIND = 1e-4
 """A direction in which the gradients have less than this share of their energy is not seen, as along stripes."""
 
@@ -31,13 +33,15 @@ _BLIND = 1e-4
 class Fit:
     """theta: [q] factors of the basis. error: their standard errors; infinite where the picture does not tell.
 
-    before, after: mean squares of what is left without and with them, but for the points that differ most.
+    before, after: mean squares of what is left without and with them, but for the points that differ most. better:
+    share of the points with large gradients that fit better with them.
     """
 
     theta: Values
     error: Values
     before: float
     after: float
+    better: float
 
 
 def fit_displacement(
@@ -48,29 +52,40 @@ def fit_displacement(
     target: [n] codes of the later frame. places: where its points are in the earlier one. basis: [q, 2, n] px (y, x):
     points come from places - sum theta basis. blocks: [n], which points share their noise. start: the first guess.
     """
-    lowest = before = mean_square(earlier.at(places) - target)
+    first = earlier.at(places) - target
+    slopes = (basis * earlier.gradient(places)).sum(axis=1)
+    telling = (slopes**2).sum(axis=0)
+    telling = telling >= np.median(telling)
+    wide = _width(first, telling)
+    lowest, left = np.inf, first
     theta = np.zeros(len(basis))
     guess = theta if start is None else start
-    curvature = score = np.zeros((len(basis), 0))
     for _ in range(_ROUNDS):
         moved = places - np.tensordot(guess, basis, axes=1)
-        left = earlier.at(moved) - target
-        square = mean_square(left)
-        if square > lowest:
-            if curvature.size:
-                break
-            moved, left, square, guess = places, earlier.at(places) - target, before, theta
-        theta, lowest = guess, square
-        kept = _kept(left)
-        columns = (basis * earlier.gradient(moved)).sum(axis=1)[:, kept]
-        curvature = columns @ columns.T
-        score = _sums(columns * left[kept], blocks[kept])
+        tried = earlier.at(moved) - target
+        cost = _cost(tried, wide)
+        if cost > _cost(first, wide) and np.isinf(lowest):
+            moved, tried, cost, guess = places, first, _cost(first, wide), theta
+        if cost >= lowest:
+            break
+        theta, left, lowest = guess, tried, cost
+        columns = (basis * earlier.gradient(moved)).sum(axis=1)
+        weight = (1 + (left / _width(left, telling)) ** 2) ** -2.0
+        curvature = (weight * columns) @ columns.T
+        score = _sums(weight * columns * left, blocks)
         step = np.linalg.pinv(curvature, rcond=_BLIND, hermitian=True) @ score.sum(axis=1)
         furthest = float(np.abs(np.tensordot(step, basis, axes=1)).max(initial=0.0))
         if furthest < _DONE:
             break
         guess = theta + step * min(1.0, _STEP / furthest)
-    return Fit(theta, _errors(curvature, score), before, lowest)
+    better = np.abs(left[telling]) - np.abs(first[telling])
+    return Fit(
+        theta=theta,
+        error=_errors(curvature, score),
+        before=mean_square(first),
+        after=mean_square(left),
+        better=float(np.mean(better < 0) + np.mean(better == 0) / 2),
+    )
 
 
 def sides(count: int) -> Values:
@@ -80,13 +95,18 @@ def sides(count: int) -> Values:
 
 def mean_square(differences: Values) -> float:
     """Mean square of all but the largest differences."""
-    kept = differences[_kept(differences)]
+    size = np.abs(differences)
+    kept = size[size <= np.quantile(size, 1 - HIDDEN)] if size.size else size
     return float((kept**2).mean()) if kept.size else 0.0
 
 
-def _kept(differences: Values) -> NDArray[np.bool_]:
-    size = np.abs(differences)
-    return np.asarray(size <= np.quantile(size, 1 - HIDDEN)) if size.size else np.zeros(0, np.bool_)
+def _width(left: Values, telling: NDArray[np.bool_]) -> float:
+    """Differences much above this are no displacement's: twice the median where the gradient is large."""
+    return max(2 * float(np.median(np.abs(left[telling]))), _ROUNDING)
+
+
+def _cost(left: Values, width: float) -> float:
+    return float((left**2 / (left**2 + width**2)).mean())
 
 
 def _sums(values: Values, blocks: NDArray[np.intp]) -> Values:
@@ -96,8 +116,6 @@ def _sums(values: Values, blocks: NDArray[np.intp]) -> Values:
 
 def _errors(curvature: Values, score: Values) -> Values:
     """Standard errors from scores of blocks; infinite in directions that are not seen."""
-    if curvature.shape[0] != curvature.shape[1]:
-        return np.full(len(curvature), np.inf)
     inverse = np.linalg.pinv(curvature, rcond=_BLIND, hermitian=True)
     energy, axes = np.linalg.eigh(curvature)
     blind = energy <= _BLIND * max(energy[-1], 0.0)

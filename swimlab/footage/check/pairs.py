@@ -20,10 +20,10 @@ class PairFit:
     """A frame and an earlier one; pictures are rms, over that of unrelated points: 0 equal, 1 nothing in common.
 
     change, spread: of the two frames without motion, and of unrelated points, in codes. given: left by the motion.
-    rigid: left if all points are shifted by `shift` more, (x, y) px, known to `error`. likeness: correlation under the
-    motion. travel: mean motion (x, y) px. reach: how far a quarter of the points moves at least, px. blocks: [blocks,
-    7], sums over points of the squared gradient (yy, yx, xx), of gradient times what is left (y, x), of its square, and
-    their number.
+    rigid: left if all points are shifted by `shift` more, (x, y) px, known to `error`, by which a share `better` of
+    them fits better. likeness: correlation under the motion. travel: mean motion (x, y) px. reach: how far a quarter of
+    the points moves at least, px. blocks: [blocks, 7], sums over points of the squared gradient (yy, yx, xx), of
+    gradient times what is left (y, x), of its square, and their number.
     """
 
     late: int
@@ -32,6 +32,7 @@ class PairFit:
     spread: float
     given: float
     rigid: float
+    better: float
     likeness: float
     shift: Values
     error: Values
@@ -76,6 +77,7 @@ def _fit(motion: Motion, frames: Frames, late: int, early: int) -> PairFit | Non
         spread=float(spread),
         given=np.sqrt(fit.before) / spread,
         rigid=np.sqrt(fit.after) / spread,
+        better=fit.better,
         likeness=float(np.corrcoef(warped, target)[0, 1]) if warped.std() > _FLAT else 0.0,
         shift=fit.theta,
         error=fit.error,
