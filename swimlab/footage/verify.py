@@ -109,9 +109,10 @@ def verify(
     if GIVEN not in weighing.rivals:
         return _doubt(found, "the picture is flat, or leaves the frame under this motion", said)
     region = find_region(motion, grey, pairs)
-    if found.residuals[GIVEN] > POOR and region is None:
-        return _judge_poor(found, weighing, motion, grey, run, said, clean=clean)
-    if weighing.pace.travel < LEAST:
+    part = region is not None and region.fraction <= WHOLE_REGION
+    if found.residuals[GIVEN] > POOR and not part:
+        return _judge_poor(found, scale, motion, grey, run, said, clean=clean)
+    if weighing.pace.travel < LEAST and region is None:
         short = f"the picture travels by {weighing.pace.travel:.2g} px in {weighing.pace.apart} frames only"
         note = f"motion not verified: {short}, while {found.residuals[GIVEN]:.3f} of it changes"
         return replace(found, note="; ".join(filter(None, (note, said))))
@@ -150,13 +151,16 @@ def _judge_rest(
 
 
 def _judge_poor(
-    found: Verification, weighing: Weighing, motion: Motion, grey: Frames, run: list[int], said: str, *, clean: bool
+    found: Verification, scale: Scale | None, motion: Motion, grey: Frames, run: list[int], said: str, *, clean: bool
 ) -> Verification:
     """Refuse motion that explains little of a reference, where there is motion that does; else doubt it."""
     residuals = found.residuals
     left = f"leaves {residuals[GIVEN]:.3f} of the change between frames"
     flow = against_flow(motion, grey.picture, grey.coverage, run)
     if flow is None or flow.ratio >= FLOW:
+        if factor.right(scale) and residuals[GIVEN] <= CLEAR * residuals[IDENTITY]:
+            text = f"motion verified by warping, though the frames flicker much: it {left}; {factor.said(scale)}"
+            return replace(found, verdict="verified", note="; ".join(filter(None, (text, said))))
         best = min(residuals, key=lambda name: residuals[name])
         least = f"(least: {best} {residuals[best]:.3f})"
         return _doubt(found, f"it {left}, as all readings do {least}: the frames flicker much, or it is wrong", said)

@@ -24,7 +24,7 @@ _LEAP = 2.0
 STRAY = 0.03
 """Shifts of the whole picture shorter than this are no fault of vectors, px."""
 SURE = 6.0
-"""... nor those of fewer standard errors, which noise of many pixels' width makes too small by a half."""
+"""... nor those of fewer standard errors."""
 MENDED = 0.5
 """A shift is the vectors' fault if it takes away this share of the energy that a pair leaves."""
 _FLOWN = 0.3

@@ -1,5 +1,7 @@
 """The factor that fits a motion: whether it is off, how it is said, and the setting that mends it."""
 
+from typing import TypeGuard
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,7 +10,7 @@ from swimlab.footage.motion import FieldMotion, Motion, UniformMotion
 from swimlab.footage.warping import Reading
 
 SURE = 6.0
-"""Standard errors by which a factor is off: those are too small by a half where noise is as wide as a block."""
+"""Standard errors by which a factor is off."""
 OFF = 0.1
 """... and px over the baseline."""
 NOTICED = 0.1
@@ -29,6 +31,11 @@ def off(scale: Scale | None) -> NDArray[np.bool_]:
 def known(scale: Scale | None) -> bool:
     """Whether the factor of the axis that travels most is known."""
     return scale is not None and bool(scale.error[np.argmax(scale.travel)] <= UNSURE)
+
+
+def right(scale: Scale | None) -> TypeGuard[Scale]:
+    """Whether the factor of the axis that travels most is known to be 1, within what a factor must be known."""
+    return scale is not None and known(scale) and bool(abs(scale.factor[np.argmax(scale.travel)] - 1) <= UNSURE)
 
 
 def told(scale: Scale | None) -> tuple[float | None, float | None]:

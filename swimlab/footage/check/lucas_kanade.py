@@ -25,6 +25,7 @@ _STEP = 1.0
 """A round moves no point further than this, px: gradients tell of no more."""
 _DONE = 1e-4
 _ROUNDING = 1e-7
+_LEAST_SLOPE = 0.25
 _BLIND = 1e-4
 """A direction in which the gradients have less than this share of their energy is not seen, as along stripes."""
 
@@ -70,8 +71,12 @@ def fit_displacement(
             break
         theta, left, lowest = guess, tried, cost
         columns = (basis * earlier.gradient(moved)).sum(axis=1)
-        weight = (1 + (left / _width(left, telling)) ** 2) ** -2.0
+        far = (left / _width(left, telling)) ** 2
+        weight = (1 + far) ** -2.0
         curvature = (weight * columns) @ columns.T
+        # Weighted differences answer less to a displacement than the weights say: where they are large, they fall.
+        slope = np.mean(weight * (1 - 4 * far / (1 + far)))
+        response = curvature * max(float(slope / weight.mean()), _LEAST_SLOPE)
         score = _sums(weight * columns * left, blocks)
         step = np.linalg.pinv(curvature, rcond=_BLIND, hermitian=True) @ score.sum(axis=1)
         furthest = float(np.abs(np.tensordot(step, basis, axes=1)).max(initial=0.0))
@@ -81,7 +86,7 @@ def fit_displacement(
     better = np.abs(left[telling]) - np.abs(first[telling])
     return Fit(
         theta=theta,
-        error=_errors(curvature, score),
+        error=_errors(response, score),
         before=mean_square(first),
         after=mean_square(left),
         better=float(np.mean(better < 0) + np.mean(better == 0) / 2),
@@ -101,8 +106,8 @@ def mean_square(differences: Values) -> float:
 
 
 def _width(left: Values, telling: NDArray[np.bool_]) -> float:
-    """Differences much above this are no displacement's: twice the median where the gradient is large."""
-    return max(2 * float(np.median(np.abs(left[telling]))), _ROUNDING)
+    """Differences much above this are no displacement's: thrice the median where the gradient is large."""
+    return max(3 * float(np.median(np.abs(left[telling]))), _ROUNDING)
 
 
 def _cost(left: Values, width: float) -> float:
@@ -114,10 +119,10 @@ def _sums(values: Values, blocks: NDArray[np.intp]) -> Values:
     return np.stack([np.bincount(blocks, weights=row) for row in values])
 
 
-def _errors(curvature: Values, score: Values) -> Values:
+def _errors(response: Values, score: Values) -> Values:
     """Standard errors from scores of blocks; infinite in directions that are not seen."""
-    inverse = np.linalg.pinv(curvature, rcond=_BLIND, hermitian=True)
-    energy, axes = np.linalg.eigh(curvature)
+    inverse = np.linalg.pinv(response, rcond=_BLIND, hermitian=True)
+    energy, axes = np.linalg.eigh(response)
     blind = energy <= _BLIND * max(energy[-1], 0.0)
     hidden = (axes[:, blind] ** 2).sum(axis=1) > _BLIND
     centred = score - score.mean(axis=1, keepdims=True)

@@ -16,12 +16,15 @@ from swimlab.runs.frames import Image
 
 MOVES = 0.5
 """Content moves if optical flow leaves less than this share of what changes, rms, in every pair that is looked at."""
+AGREED = 0.8
+"""... or less than this, if it finds the same in all of them to a quarter: what flickers much moves all the same."""
 FAR = 0.3
 """... and if it leaves less than this, a reference moves. Flow fits smooth noise too: of that it leaves .4 to .7."""
 LEAST = 0.05
 """Content that moves less than this stands still, px a frame: a quarter of the points at least is to go so far."""
 
-_FLOWS = 3
+_FLOWS = 5
+_AGREE = 0.25
 _CALM = 1e-4
 _REACH = 0.75
 
@@ -85,7 +88,10 @@ def _judge(frames: Frames, pairs: list[PairFit]) -> Moving | None:
         shares.append(np.sqrt(flowed / still) if still > 0 else 1.0)
         moved.append((points - places)[::-1] / (pair.late - pair.early))
     reach = min(float(np.quantile(np.hypot(*each), _REACH)) for each in moved)
-    if max(shares) > MOVES or reach < LEAST:
+    velocities = np.array([np.median(each, axis=1) for each in moved])
+    strays = np.hypot(*(velocities - velocities.mean(axis=0)).T)
+    agree = len(moved) > 1 and strays.max() < _AGREE * np.hypot(*velocities.mean(axis=0))
+    if reach < LEAST or max(shares) > (AGREED if agree else MOVES):
         return None
     every = np.concatenate(moved, axis=1)
     velocity = np.median(every, axis=1)
