@@ -294,3 +294,32 @@ def test_of_readings_that_are_better_the_best_is_named():
 
     with pytest.raises(FrameError, match=r"best leaves 0\.0.* Use --best, or"):
         check(Told((-1.5, 0.5), (HEIGHT, WIDTH)), moved((1.5, 0.5), noise=0.01)).check()
+
+
+@pytest.mark.parametrize("clean", [False, True])
+@pytest.mark.parametrize("hard", ["occlusion", "wires", "highlights", "noise"])
+def test_what_renderers_draw_refuses_no_right_motion(hard, clean):
+    """Patches that hide others, wires of whole pixels, highlights and glints that move against the surface, noise."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    frames, vectors = [], []
+    for t in range(COUNT):
+        picture, field = surface(1.0 * t, 0.2 * t), np.full((HEIGHT, WIDTH, 2), (1.0, 0.2))
+        for middle, velocity, seed in (((30, 30), (3.0, 1.0), 2), ((100, 70), (-2.0, 0.0), 3)):
+            across, down = np.add(middle, np.multiply(velocity, t))
+            patch = (np.abs(x - across) < 16) & (np.abs(y - down) < 14)
+            picture[patch], field[patch] = 1.5 * surface(*np.multiply(velocity, t), seed=seed)[patch], velocity
+        random = np.random.default_rng(t)
+        if hard == "wires":
+            for k in range(6):
+                wire = np.floor((x - 20 * k - 2.3 * t) % WIDTH) == 0
+                picture[wire], field[wire] = 2.0, (2.3, 0.0)
+        if hard == "highlights":
+            far = (x - 64 - 0.1 * t) ** 2 + (y - 60 + 0.7 * t) ** 2
+            picture += np.exp(-far / 162)[..., None] + 30 * (random.random((HEIGHT, WIDTH, 1)) > 0.995)
+        noise = {"noise": 0.1}.get(hard, 0.01)
+        frames.append(picture + noise * random.standard_normal((HEIGHT, WIDTH, 1)))
+        vectors.append(field)
+    found = check(Vectors(vectors), frames, clean=clean)
+    assert found.error == ""
+    assert (found.cuts, found.repeated, found.frames, found.jitter) == ((), (), (), 0.0)
+    assert hard == "wires" or found.verdict == "verified"
