@@ -207,6 +207,10 @@ class Subject:
         for text in filter(None, (found.error, found.doubt)):
             self.notes.append(f"motion not verified: {text}")
             self._warn(self.notes[-1])
+        if clean and found.verdict in ("partly", "wrong"):
+            self.note(
+                "residual.flicker.reference is what the motion makes of the reference, whose flicker is its fault"
+            )
         return found
 
     def _good_frames(self) -> list[int]:

@@ -75,7 +75,10 @@ def verify(
     astray = [pair.late for pair, stray in zip(pairs, strays, strict=True) if stray.any()]
     few = len(astray) <= FEW * len(pairs)
     run = _longest_run(shown, {*cuts, *(astray if few else ())})
-    scale = fit_scale(motion, grey, run) if len(run) > 1 else None
+    if len(run) < 2:
+        said = events_said(cuts, repeated, 0, number)
+        return _doubt(Verification(cuts=tuple(cuts), repeated=tuple(repeated)), "no two frames belong together", said)
+    scale = fit_scale(motion, grey, run)
     weighing = weigh(motion, picture, coverage, run, factor.fitted(motion, scale))
     found = Verification(
         residuals=weighing.residuals,

@@ -27,6 +27,7 @@ SURE = 6.0
 """... nor those of fewer standard errors."""
 MENDED = 0.5
 """A shift is the vectors' fault if it takes away this share of the energy that a pair leaves."""
+_WORTH = 0.05
 _FLOWN = 0.3
 """... and optical flow, which fits noise too, if it leaves this share of what the motion leaves, rms."""
 MOST = 0.6
@@ -97,7 +98,7 @@ def stray_shifts(pairs: list[PairFit], frames: Frames) -> Values:
         sure = np.hypot(*stray) > max(STRAY, SURE * float(np.hypot(*np.where(np.isfinite(pair.error), pair.error, 0))))
         if sure and pair.better > MOST and pair.rigid**2 <= (1 - MENDED) * pair.given**2:
             strays[k] = stray
-        elif pair.given > _LEAP * usual:
+        elif pair.given > max(_LEAP * usual, _WORTH):
             strays[k] = _flown(pair, frames)
     return strays
 
@@ -112,4 +113,5 @@ def _flown(pair: PairFit, frames: Frames) -> Values:
     left = np.sqrt(mean_square(frames.grey(pair.early).at(places) - target)) / pair.spread
     if left > _FLOWN * pair.given:
         return np.zeros(2)
-    return np.asarray(np.median(points - places, axis=1)[::-1] - pair.travel)
+    lacking = np.median(points - places, axis=1)[::-1] - pair.travel
+    return np.asarray(lacking if np.hypot(*lacking) > STRAY else np.zeros(2))

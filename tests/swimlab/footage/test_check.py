@@ -323,3 +323,9 @@ def test_what_renderers_draw_refuses_no_right_motion(hard, clean):
     assert found.error == ""
     assert (found.cuts, found.repeated, found.frames, found.jitter) == ((), (), (), 0.0)
     assert hard == "wires" or found.verdict == "verified"
+
+
+def test_shots_of_one_frame_are_doubted():
+    found = check(uniform((1.0, 0.0)), [surface(seed=1), surface(seed=2)])
+    assert found.verdict == "unchecked"
+    assert found.doubt
