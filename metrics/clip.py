@@ -31,8 +31,9 @@ class Clip:
     depth: t -> [H, W] in metres, by which scores are split into bands. None: no bands.
     pixels_per_degree: of visual angle, for measures of visibility.
     luminance: cd/m^2 that radiance 1 is shown with; None if unknown.
+    cuts: frames t that begin a new shot, in order, of 1..count-1: nothing in them is seen in frame t - 1.
 
-    Raises ClipError if count, fps, viewing or a uniform motion is out of range, and on reading a bad frame.
+    Raises ClipError if count, fps, viewing, cuts or a uniform motion is out of range, and on reading a bad frame.
     """
 
     frame: FrameSource
@@ -43,6 +44,7 @@ class Clip:
     depth: FrameSource | None = None
     pixels_per_degree: float | None = None
     luminance: float | None = None
+    cuts: tuple[int, ...] = ()
     _shape: list[tuple[int, int]] = field(default_factory=list, init=False, repr=False, compare=False)
     _first: list[Image] = field(default_factory=list, init=False, repr=False, compare=False)
 
@@ -54,6 +56,8 @@ class Clip:
         for name, value in (("pixels per degree", self.pixels_per_degree), ("luminance", self.luminance)):
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise ClipError(f"{name} is {value}; give a number above 0, or leave it out")
+        if list(self.cuts) != sorted({cut for cut in self.cuts if 0 < cut < self.count}):
+            raise ClipError(f"cuts are {self.cuts}; give frames of 1 to {self.count - 1}, each once and in order")
         if not callable(self.motion) and not (len(self.motion) == 2 and np.all(np.isfinite(self.motion))):
             raise ClipError(f"motion is {self.motion}; give (dx, dy) in px a frame, or a field for every frame")
 

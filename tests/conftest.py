@@ -117,6 +117,8 @@ TOLERANCES: dict[str, Tolerance] = {
     "8 bit code": Tolerance(0.006, "linear; half an sRGB step is .0045 near white"),
     "warped picture": Tolerance(0.03, "of the deviation; cubic spline at .1 cycles/px, vectors linear between pixels"),
     "resampled vectors": Tolerance(1e-3, "px; linear between vectors 2.5 px apart, curved by 1e-4 px/px^2"),
+    "factor of a motion": Tolerance(5e-3, "noise of .05, a third of the picture: 3.5e-3 measured; of .02: 1e-3"),
+    "jitter": Tolerance(0.08, "px; offsets of pairs are known to .005 px, and summed over 15 of them: .065 measured"),
     "estimated motion": Tolerance(0.15, "px; DIS flow on 8-bit codes of a road at 160x90: .05 measured"),
     "video code": Tolerance(0.03, "linear; 8-bit codes of limited range and lossy chroma: .021 measured at .5"),
     "bloom at an octave": Tolerance(1e-7, "the radius differs by 2e-9; radiance up to 8"),

@@ -9,8 +9,8 @@ from cyclopts import Parameter
 from metrics import Display
 from swimlab.footage.convention import PRESETS, Convention, Preset
 from swimlab.footage.jitter import Side
+from swimlab.footage.request import Request
 from swimlab.footage.source import Box, Look
-from swimlab.footage.subject import Request
 from swimlab.runs.frames import FrameError
 
 Hyphens = Parameter(allow_leading_hyphen=True)
@@ -64,7 +64,8 @@ class Footage:
     motion_mask:
         Picture, or one a frame, of the vectors' size: they are valid where its first channel is above 0.5.
     motion_jitter:
-        Text file of the frames' sub-pixel jitter, frame,x,y or x,y a line, px right and down (of the vectors' size).
+        Text file of the frames' sub-pixel jitter, frame,x,y or x,y a line, px right and down (of the vectors' size), or
+        estimate.
     motion_jitter_in:
         Who has that jitter alone: the vectors, so that it is taken out of them, or the frames, so that it is put in.
     motion_unverified:

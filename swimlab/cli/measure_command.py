@@ -46,7 +46,8 @@ def measure_command(
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     output:
-        Write scores.json and frames.csv into this folder too; a name that ends in .json: the scores, into this file.
+        Write scores.json, frames.csv and a picture of where the motion does not fit into this folder too; a name that
+        ends in .json: the scores, into this file.
     peers:
         Metrics of other projects to add as columns, with commas: flip, flip-oiio, vdp.
     device:
@@ -64,7 +65,8 @@ def measure_command(
         _refuse_footage(footage)
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), device=device, quiet=quiet)
     else:
-        scores = _measure_footage(footage, domain, peers=others, device=device, quiet=quiet)
+        folder = None if output is None or scores_path(output) == output or output.is_file() else output
+        scores = _measure_footage(footage, domain, peers=others, device=device, quiet=quiet, pictures=folder)
     written = None if output is None else _write(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
@@ -96,7 +98,7 @@ def measure_with_progress(
 
 
 def _measure_footage(
-    footage: Footage, domain: Domain, *, peers: Sequence[str], device: str, quiet: bool
+    footage: Footage, domain: Domain, *, peers: Sequence[str], device: str, quiet: bool, pictures: Path | None
 ) -> dict[str, Any]:
     """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
 
@@ -107,7 +109,7 @@ def _measure_footage(
     def warn(text: str) -> None:
         print(f"swimlab: warning: {text}", file=sys.stderr)
 
-    subject = Subject(footage.request(domain), say, warn)
+    subject = Subject(footage.request(domain), say, warn, pictures=pictures)
     with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
         command = shlex.join(["swimlab", *sys.argv[1:]])
         scores = measure_subject(subject, peers=peers, device=device, command=command, advance=lambda *_: advance(""))

@@ -2,67 +2,46 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from metrics import Clip
-from metrics.display import STANDARD, Display, Domain
-from swimlab.footage.convention import PRESETS, Convention
-from swimlab.footage.fields import open_fields
+from swimlab.footage.check.jitter import estimate_jitter
+from swimlab.footage.check.picture import write_region
+from swimlab.footage.check.still import verify_still
+from swimlab.footage.check.verdict import Verification
 from swimlab.footage.header import LOSSY
-from swimlab.footage.jitter import Side, with_jitter_of_file
-from swimlab.footage.motion import EstimatedMotion, Motion, UniformMotion
-from swimlab.footage.pattern import frame_range, is_video
+from swimlab.footage.jitter import JitteredMotion
+from swimlab.footage.motion import Motion, UniformMotion
+from swimlab.footage.moving import open_motion
+from swimlab.footage.pattern import frame_range
 from swimlab.footage.reader import Reader, open_frames
-from swimlab.footage.source import Look, Mask, Source
+from swimlab.footage.request import ESTIMATE, Request
+from swimlab.footage.source import Mask, Source
 from swimlab.footage.verify import verify
 from swimlab.runs.frames import FrameError, Image
 
-ESTIMATE = "estimate"
 FPS = 60.0
+PICTURE = "motion_check.png"
 
-_VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 _SAMPLED = 3
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What to measure, and how; names are patterns, folders or files.
-
-    motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
-    own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
-    motion_jitter: text file of the frames' jitter, which is in the vectors alone or in the frames alone, as
-    motion_jitter_in says; px, of the vectors where there are any. frames: range for names without one of their own.
-    skip_bad_frames: leave out what cannot be measured. unverified: measure though the motion does not fit the frames.
-    """
-
-    test: str
-    reference: str | None = None
-    motion: str | None = None
-    mask: str | None = None
-    fps: float | None = None
-    frames: str | None = None
-    look: Look = field(default_factory=Look)
-    convention: Convention = PRESETS["own"]
-    motion_mask: str | None = None
-    motion_jitter: str | None = None
-    motion_jitter_in: Side = "vectors"
-    domain: Domain = "linear"
-    display: Display = STANDARD
-    skip_bad_frames: bool = False
-    unverified: bool = False
-    pixels_per_degree: float | None = None
-    luminance: float | None = None
 
 
 class Subject:
     """The opened inputs of a request: which frames are measured, and how they move."""
 
-    def __init__(self, request: Request, say: Callable[[str], None], warn: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        request: Request,
+        say: Callable[[str], None],
+        warn: Callable[[str], None],
+        *,
+        pictures: Path | None = None,
+    ) -> None:
         """say, warn: called with what a reader of the scores should know, and with what may make them wrong.
 
+        pictures: folder for a picture of where the motion does not fit, which is written before anything is raised.
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
         self.notes: list[str] = []
@@ -85,14 +64,14 @@ class Subject:
         self.kept = self._good_frames()
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
-        self.motion_size: list[int] | None = None
-        """Width and height of the files of motion vectors, if there are any."""
-        self.motion_kind, self.motion = self._open_motion()
-        if request.motion_jitter is not None:
-            side, numbers = request.motion_jitter_in, self.test.reader.numbers
-            self.motion = with_jitter_of_file(self.motion, Path(request.motion_jitter), side, numbers, self.note)
-        if not request.unverified:
-            self._verify()
+        moving = open_motion(
+            request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=say
+        )
+        self.motion_kind, self.motion, self.motion_size = moving
+        if request.motion_jitter == ESTIMATE:
+            self.motion = self._without_estimated_jitter()
+        self.checked = self._verify(pictures)
+        """How well the motion fits the frames."""
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""
@@ -135,6 +114,7 @@ class Subject:
             coverage=None if coverage is None else lambda t: coverage(kept[t]),
             pixels_per_degree=self.request.pixels_per_degree,
             luminance=self.request.luminance,
+            cuts=tuple(kept.index(cut) for cut in self.checked.cuts),
         )
 
     def _coverage(self) -> Callable[[int], Image] | None:
@@ -153,69 +133,43 @@ class Subject:
         known = self.motion.known(index, self.kept[place - 1]) if place else None
         return np.ones(self.test.shape, np.float32) if known is None else known.astype(np.float32)
 
-    def _open_motion(self) -> tuple[str, Motion]:
-        """What to call the motion, and the motion."""
-        request = self.request
-        self._refuse_parts_of_files()
-        if request.motion is None:
-            self.note(
-                "no motion given: nothing is taken to move; if the camera moves, give --motion or --motion estimate"
-            )
-            return "none", UniformMotion((0.0, 0.0), self.test.shape)
-        if request.motion == ESTIMATE:
-            self.note("the motion is estimated from the frames, which hides part of their flicker and swimming")
-            source = self.reference or self.test
-            return "estimated", EstimatedMotion(source.picture)
-        vector = _VECTOR.fullmatch(request.motion)
-        if vector is not None:
-            return "uniform", UniformMotion(_velocity(vector), self.test.shape)
-        return "fields", self._open_fields(request.motion)
-
-    def _refuse_parts_of_files(self) -> None:
-        """Raise FrameError where options of motion vectors come with a motion that has none, or without one another."""
-        motion, mask, jitter = self.request.motion, self.request.motion_mask, self.request.motion_jitter
-        if motion in (None, ESTIMATE) and (mask or jitter):
-            option = "--motion-mask" if mask else "--motion-jitter"
-            raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
-        if jitter is None and self.request.motion_jitter_in != "vectors":
-            raise FrameError("--motion-jitter-in: says whose jitter a file holds; give --motion-jitter FILE too")
-        if motion is not None and mask and _VECTOR.fullmatch(motion):
-            raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
-
-    def _open_fields(self, name: str) -> Motion:
-        if is_video(name):
-            raise FrameError(f"--motion {name}: a video holds no motion vectors; give EXR files")
-        request = self.request
-        reader = open_frames(name, frames=request.frames)
-        self._match_count(reader, "motion")
-        self.motion_size = list(reader.header.size)
-        mask = None
-        if request.motion_mask is not None:
-            mask = Mask(open_frames(request.motion_mask, frames=request.frames), None)
-            self._match_count(mask.reader, "motion-mask", still=True)
-        return open_fields(
-            reader,
-            request.convention,
-            size=self.test.reader.header.size,
-            kept=self.kept,
-            crop=request.look.crop,
-            mask=mask,
-            note=self.note,
-            say=self._say,
+    def _without_estimated_jitter(self) -> Motion:
+        """The motion, with the jitter taken out, or put in, that the frames tell of."""
+        picture, count = (self.reference or self.test).picture, len(self.test.reader.numbers)
+        excess = estimate_jitter(self.motion, picture, self._coverage(), self.kept, count)
+        rms = float(np.sqrt(np.square(excess).mean()))
+        self.note(
+            f"jitter of {rms:.2g} px rms is estimated from the frames; with it goes all that shifts the whole picture, "
+            "flicker and swimming among it"
         )
+        side = self.request.motion_jitter_in
+        return JitteredMotion(self.motion, excess if side == "vectors" else -excess, side)
 
-    def _verify(self) -> None:
-        if self.motion_kind not in ("uniform", "fields"):
-            return
-        source = self.reference or self.test
-        clean = self.reference is not None
-        checked = verify(self.motion, source.picture, self._coverage(), self.kept, clean=clean)
-        checked.check()
-        if checked.note:
-            self.note(checked.note)
-        if checked.doubt:
-            self.notes.append(f"motion not verified: {checked.doubt}")
+    def _verify(self, pictures: Path | None) -> Verification:
+        """Hold the motion against the frames. Raises FrameError where it is wrong, unless that is asked for."""
+        source, clean = self.reference or self.test, self.reference is not None
+        coverage, numbers = self._coverage(), self.test.reader.numbers
+        if self.motion_kind in ("uniform", "fields"):
+            found = verify(self.motion, source.picture, coverage, self.kept, clean=clean, numbers=numbers)
+        else:
+            given = self.motion_kind == "none"
+            found = verify_still(source.picture, coverage, self.kept, clean=clean, given=given, numbers=numbers)
+        if pictures is not None and found.region is not None:
+            path = pictures / PICTURE
+            write_region(path, source.picture(self.kept[len(self.kept) // 2]), found.region)
+            self._say(f"{path}: where the motion does not fit")
+        if not self.request.unverified:
+            found.check()
+        if found.note:
+            self.note(found.note)
+        for text in filter(None, (found.error, found.doubt)):
+            self.notes.append(f"motion not verified: {text}")
             self._warn(self.notes[-1])
+        if clean and found.verdict in ("partly", "wrong"):
+            self.note(
+                "residual.flicker.reference is what the motion makes of the reference, whose flicker is its fault"
+            )
+        return found
 
     def _good_frames(self) -> list[int]:
         """Indices of the frames to measure. Raises FrameError for the first bad one, unless bad ones are skipped."""
@@ -274,11 +228,3 @@ class Subject:
         """Keep what a reader should know for the scores, and say it."""
         self.notes.append(text)
         self._say(text)
-
-
-def _velocity(vector: re.Match[str]) -> tuple[float, float]:
-    try:
-        x, y = float(vector[1]), float(vector[2])
-    except ValueError as error:
-        raise FrameError(f"--motion {vector[0]}: give dx,dy in px a frame, as 0.5,-0.25") from error
-    return x, y

@@ -1,13 +1,14 @@
 """How much of the change between two frames is left once the earlier one is taken from where a motion says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from swimlab.footage.motion import Motion, Points
+from swimlab.footage.motion import Points
 from swimlab.runs.frames import Image
 
 GIVEN = "as given"
@@ -24,6 +25,13 @@ _SEEN = 0.05
 """Share of the points that must stay in the frame under the given motion."""
 _SHARED = 0.5
 """... and under another: few points may agree by chance."""
+
+
+class Reading(Protocol):
+    """What may move points: a motion, or what is made of one."""
+
+    def back(self, points: Points, start: int, stop: int) -> Points:
+        """The places in frame `stop` of points [2, n] (y, x) of frame `start`; start > stop."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +64,7 @@ class Pair:
         self.covered = [None if coverage is None else coverage(index) >= WHOLE for index in (late, early)]
 
 
-def residuals_of(readings: dict[str, Motion], pairs: list[Pair]) -> dict[str, Rival]:
+def residuals_of(readings: Mapping[str, Reading], pairs: list[Pair]) -> dict[str, Rival]:
     """Residuals of readings, and of none, over pairs of frames; not of those that leave the frame."""
     energy: dict[str, NDArray[np.float64]] = {}
     for pair in pairs:
@@ -68,10 +76,10 @@ def residuals_of(readings: dict[str, Motion], pairs: list[Pair]) -> dict[str, Ri
     }
 
 
-def _compare(readings: dict[str, Motion], pair: Pair) -> dict[str, NDArray[np.float64]]:
+def _compare(readings: Mapping[str, Reading], pair: Pair) -> dict[str, NDArray[np.float64]]:
     """Squared residuals of each reading and of none, of the given one, and of unrelated pictures; not of flat ones."""
     points = grid(pair.first.shape, _POINTS)
-    points = points[:, _inside(points, pair.first.shape, pair.covered[0])]
+    points = points[:, inside(points, pair.first.shape, pair.covered[0])]
     if points.shape[1] < 2:
         return {}
     target = pair.first[tuple(points.astype(np.intp))]
@@ -79,7 +87,7 @@ def _compare(readings: dict[str, Motion], pair: Pair) -> dict[str, NDArray[np.fl
     spline = ndimage.spline_filter(pair.second, order=3, mode="mirror")
     differences: dict[str, NDArray[np.float64]] = {}
     for name, place in (_landed(readings, points, pair) | {IDENTITY: points}).items():
-        seen = _inside(place, pair.first.shape, pair.covered[1])
+        seen = inside(place, pair.first.shape, pair.covered[1])
         if seen.sum() >= max(2, (_SEEN if name == GIVEN else _SHARED) * len(seen)):
             warped = ndimage.map_coordinates(spline, place, order=3, mode="mirror", prefilter=False)
             differences[name] = np.where(seen, warped - target, np.nan)
@@ -95,7 +103,7 @@ def _compare(readings: dict[str, Motion], pair: Pair) -> dict[str, NDArray[np.fl
     return found
 
 
-def _landed(readings: dict[str, Motion], points: Points, pair: Pair) -> dict[str, Points]:
+def _landed(readings: Mapping[str, Reading], points: Points, pair: Pair) -> dict[str, Points]:
     """Where each reading takes points of the later frame in the earlier one; files are read once for all of them."""
     places = dict.fromkeys(readings, points)
     for index in range(pair.late, pair.early, -1):
@@ -116,7 +124,8 @@ def grid(shape: tuple[int, ...], count: int) -> Points:
     return np.stack([rows.ravel(), columns.ravel()]).astype(np.float64)
 
 
-def _inside(place: Points, shape: tuple[int, ...], covered: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+def inside(place: Points, shape: tuple[int, ...], covered: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    """[n], whether places [2, n] (y, x) lie within the picture, and are covered."""
     row, column = (np.rint(p).astype(np.intp) for p in place)
     inside = (row >= 1) & (row < shape[0] - 1) & (column >= 1) & (column < shape[1] - 1)
     if covered is None:

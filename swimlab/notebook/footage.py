@@ -9,8 +9,9 @@ from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.colour import ColourSpace
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.jitter import Side
+from swimlab.footage.request import Request
 from swimlab.footage.source import AlphaUse, Box, Look
-from swimlab.footage.subject import Request, Subject
+from swimlab.footage.subject import Subject
 from swimlab.notebook.scores import Scores
 from swimlab.runs.frames import FrameError
 from swimlab.scoring.footage import measure_subject

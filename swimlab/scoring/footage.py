@@ -46,7 +46,8 @@ def measure_subject(
         subject.note(note)
     numbers = [subject.test.reader.numbers[index] for index in subject.kept]
     entry = entry_of(subject.name, "test", found, numbers, domain=request.domain, display=request.display)
-    entry |= {"motion": subject.motion_kind, "notes": subject.notes}
+    checked = subject.checked.entry(lambda index: subject.test.reader.numbers[index])
+    entry |= {"motion": subject.motion_kind, "motion_check": checked, "notes": subject.notes}
     settings = _settings(subject)
     digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
     about = {**provenance(command), "domain": request.domain, "hash": digest, "settings": settings}

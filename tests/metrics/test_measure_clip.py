@@ -122,3 +122,9 @@ def test_two_measures_may_not_share_a_name():
 
 def test_exported_names_exist():
     assert all(hasattr(metrics, name) for name in metrics.__all__)
+
+
+@pytest.mark.parametrize("cuts", [(0,), (4,), (2, 2), (3, 1)])
+def test_cuts_are_frames_of_the_clip_in_order(cuts):
+    with pytest.raises(ClipError, match="give frames of 1 to 3, each once and in order"):
+        Clip(frame=lambda t: np.zeros((4, 4, 3)), count=4, cuts=cuts)

@@ -144,7 +144,7 @@ def test_the_library_loads_under_its_own_names(name):
 def test_the_library_covers_every_motion():
     assert {load(name).motion.kind for name in library()} == set(MOTIONS)
     frames = {name: load(name).frames for name in library()}
-    sixteen = dict.fromkeys(("road-drive", "road-hills", "road-sliver", "road-sun", "road-turn"), 16)
+    sixteen = dict.fromkeys(("road-drive", "road-hills", "road-posts", "road-sliver", "road-sun", "road-turn"), 16)
     assert frames == {"road-scale": 9, "road-shift": 32} | sixteen
 
 

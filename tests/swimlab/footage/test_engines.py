@@ -8,7 +8,8 @@ import pytest
 from moving_wall import COUNT, HEIGHT, WIDTH, moved, ndc, picture, to_px, wall, write
 
 from swimlab.footage.convention import PRESETS, SOURCES, guess
-from swimlab.footage.subject import Request, Subject
+from swimlab.footage.request import Request
+from swimlab.footage.subject import Subject
 
 UNREAL = tuple(f"FinalImageMovieRenderQueue_MotionVectors.{channel}" for channel in "RG")
 

@@ -165,7 +165,7 @@ REFUSED = {
     "a missing file": (("--motion", "mv", "--motion-jitter", "none.txt"), "none.txt: cannot be read"),
     "a vector's own": (("--motion", "1,2", "--motion-jitter", "jitter.txt"), "give --motion-jitter-in frames"),
     "an estimate": (("--motion", "estimate", "--motion-jitter", "jitter.txt"), "--motion-jitter: is for a motion that"),
-    "a side alone": (("--motion", "mv", "--motion-jitter-in", "frames"), "give --motion-jitter FILE too"),
+    "a side alone": (("--motion", "mv", "--motion-jitter-in", "frames"), "give --motion-jitter FILE or estimate too"),
     "no motion": (("--motion-jitter", "jitter.txt"), "--motion-jitter: is for a motion that is given"),
 }
 

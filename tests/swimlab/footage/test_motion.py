@@ -314,7 +314,7 @@ def test_noise_refuses_no_motion(blur, velocity):
     assert not checked.note
 
 
-@pytest.mark.parametrize(("amount", "said"), [(0.1, "verified"), (0.5, "in part"), (2.0, "flicker much")])
+@pytest.mark.parametrize(("amount", "said"), [(0.1, "verified"), (0.5, "verified"), (2.0, "flicker much")])
 def test_frames_that_flicker_are_verified_as_far_as_they_can_be(amount, said):
     def noisy(t):
         return shifted(t) + amount * np.random.default_rng(t).standard_normal((HEIGHT, WIDTH, 1))

@@ -8,8 +8,9 @@ from moving_wall import COUNT, HEIGHT, WIDTH, moved, picture, write
 
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.motion import FieldMotion
+from swimlab.footage.request import Request
 from swimlab.footage.source import Box, Look
-from swimlab.footage.subject import Request, Subject
+from swimlab.footage.subject import Subject
 from swimlab.footage.vectors import resample
 
 HALF = (WIDTH // 2, HEIGHT // 2)

@@ -24,7 +24,7 @@ from swimlab.report.figures import figures
 from swimlab.report.heat import STEPS, UNKNOWN, cells
 from swimlab.report.maps import TITLES, maps
 from swimlab.report.page import write_report
-from swimlab.report.palette import inks
+from swimlab.report.palette import CLASSES, inks
 from swimlab.report.plane_slice import NEAR, plane_slice, share_at_home
 from swimlab.report.recorded import open_run
 from swimlab.report.spectrum_maps import Peak, spectrum_map, stripes
@@ -220,7 +220,7 @@ FRAME_MAP = {
 
 
 def test_a_class_of_pixels_has_its_colour_where_it_is() -> None:
-    item = an_entry("tsl", curves={"frame.map": FRAME_MAP})
+    item = an_entry("tsl", **{"frame.map": FRAME_MAP})
     item["scores"] |= {"measured.fraction": 0.5, "edges.fraction": 0.3, "new.fraction": 0.2, "edges.flicker": 0.01}
     svg, sentence = class_map(item)
     codes = picture_of(svg)

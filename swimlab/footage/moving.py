@@ -1,0 +1,103 @@
+"""How the picture moves, as a request says: not at all, by one vector, by files of vectors, or as the frames tell."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from swimlab.footage.fields import open_fields
+from swimlab.footage.jitter import with_jitter_of_file
+from swimlab.footage.motion import EstimatedMotion, Motion, UniformMotion
+from swimlab.footage.pattern import is_video
+from swimlab.footage.reader import Reader, open_frames
+from swimlab.footage.request import ESTIMATE, Request
+from swimlab.footage.source import Mask, Source
+from swimlab.runs.frames import FrameError
+
+Say = Callable[[str], None]
+
+_VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
+
+
+class Moving(NamedTuple):
+    """A motion, what to call it, and width and height of its files of vectors if it has any."""
+
+    kind: str
+    motion: Motion
+    size: list[int] | None = None
+
+
+class Match(Protocol):
+    """Raises FrameError where an input, which is called `what`, has another number of frames than the test."""
+
+    def __call__(self, reader: Reader, what: str, *, still: bool = False) -> None: ...
+
+
+def open_motion(
+    request: Request, test: Source, reference: Source | None, kept: list[int], *, match: Match, note: Say, say: Say
+) -> Moving:
+    """The motion, without the jitter that a file tells of.
+
+    kept: the indices of the frames that are measured. note, say: called with what a reader of the scores should know.
+    """
+    _refuse_parts_of_files(request)
+    if request.motion is None:
+        note("no motion given: nothing is taken to move; if the camera moves, give --motion or --motion estimate")
+        return Moving("none", UniformMotion((0.0, 0.0), test.shape))
+    if request.motion == ESTIMATE:
+        note("the motion is estimated from the frames, which hides part of their flicker and swimming")
+        return Moving("estimated", EstimatedMotion((reference or test).picture))
+    vector = _VECTOR.fullmatch(request.motion)
+    if vector is not None:
+        moving = Moving("uniform", UniformMotion(_velocity(vector), test.shape))
+    else:
+        moving = _open_files(request, request.motion, test, kept, match, note, say)
+    if request.motion_jitter in (None, ESTIMATE):
+        return moving
+    side, numbers = request.motion_jitter_in, test.reader.numbers
+    motion = with_jitter_of_file(moving.motion, Path(request.motion_jitter or ""), side, numbers, note)
+    return moving._replace(motion=motion)
+
+
+def _refuse_parts_of_files(request: Request) -> None:
+    """Raise FrameError where options of motion vectors come with a motion that has none, or without one another."""
+    motion, mask, jitter = request.motion, request.motion_mask, request.motion_jitter
+    if motion in (None, ESTIMATE) and (mask or jitter):
+        option = "--motion-mask" if mask else "--motion-jitter"
+        raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
+    if jitter is None and request.motion_jitter_in != "vectors":
+        raise FrameError("--motion-jitter-in: says who has the jitter; give --motion-jitter FILE or estimate too")
+    if motion is not None and mask and _VECTOR.fullmatch(motion):
+        raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
+
+
+def _open_files(
+    request: Request, name: str, test: Source, kept: list[int], match: Match, note: Say, say: Say
+) -> Moving:
+    if is_video(name):
+        raise FrameError(f"--motion {name}: a video holds no motion vectors; give EXR files")
+    reader = open_frames(name, frames=request.frames)
+    match(reader, "motion")
+    mask = None
+    if request.motion_mask is not None:
+        mask = Mask(open_frames(request.motion_mask, frames=request.frames), None)
+        match(mask.reader, "motion-mask", still=True)
+    motion = open_fields(
+        reader,
+        request.convention,
+        size=test.reader.header.size,
+        kept=kept,
+        crop=request.look.crop,
+        mask=mask,
+        note=note,
+        say=say,
+    )
+    return Moving("fields", motion, list(reader.header.size))
+
+
+def _velocity(vector: re.Match[str]) -> tuple[float, float]:
+    try:
+        x, y = float(vector[1]), float(vector[2])
+    except ValueError as error:
+        raise FrameError(f"--motion {vector[0]}: give dx,dy in px a frame, as 0.5,-0.25") from error
+    return x, y

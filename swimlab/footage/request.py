@@ -1,0 +1,41 @@
+"""What is asked for: which frames to measure, and what they and their motion mean."""
+
+from dataclasses import dataclass, field
+
+from metrics.display import STANDARD, Display, Domain
+from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.jitter import Side
+from swimlab.footage.source import Look
+
+ESTIMATE = "estimate"
+"""As a motion, or its jitter: found from the frames."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What to measure, and how; names are patterns, folders or files.
+
+    motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
+    own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
+    motion_jitter: text file of the frames' jitter, px, of the vectors where there are any, or "estimate"; it is in the
+    vectors alone or in the frames alone, as motion_jitter_in says. frames: range for names without one of their own.
+    skip_bad_frames: leave out what cannot be measured. unverified: measure though the motion does not fit the frames.
+    """
+
+    test: str
+    reference: str | None = None
+    motion: str | None = None
+    mask: str | None = None
+    fps: float | None = None
+    frames: str | None = None
+    look: Look = field(default_factory=Look)
+    convention: Convention = PRESETS["own"]
+    motion_mask: str | None = None
+    motion_jitter: str | None = None
+    motion_jitter_in: Side = "vectors"
+    domain: Domain = "linear"
+    display: Display = STANDARD
+    skip_bad_frames: bool = False
+    unverified: bool = False
+    pixels_per_degree: float | None = None
+    luminance: float | None = None
