@@ -155,13 +155,14 @@ def _geometry(test: Clip, reference: Clip | None) -> Clip:
 
 
 def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, float] | None:
-    """(dx, dy) px a frame, if all steps are the same to a thousandth of a pixel over the clip."""
+    """(dx, dy) px a frame, if all steps within a shot are the same to a thousandth of a pixel over the clip."""
     if not callable(clip.motion):
         return clip.motion
-    if steps is None or len(steps) < 2:
+    within = [t for t in range(1, clip.count) if t not in clip.cuts]
+    if steps is None or not within:
         return None
-    mean = steps[1:].mean(axis=0)
-    strayed = np.cumsum(steps[1:] - mean, axis=0)
+    mean = steps[within].mean(axis=0)
+    strayed = np.cumsum(steps[within] - mean, axis=0)
     return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
 
 

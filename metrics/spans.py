@@ -1,6 +1,6 @@
 """Which frames are aligned with each other, and by what: a spatially uniform motion, or exact correspondence."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -143,13 +143,16 @@ def longest_unwarped(clip: Clip) -> int:
 def uniform_steps(geometry: Geometry) -> NDArray[np.float64] | None:
     """[count, 2] (y, x) px by which the whole picture moves into each frame, or None if it is not so.
 
-    A field is uniform if it varies by no more than UNIFORM px over the covered pixels; its mean is the step.
+    A field is uniform if it varies by no more than UNIFORM px over the covered pixels; its mean is the step. Into the
+    first frame of a shot nothing moves.
     """
     clip = geometry.clip
     if not callable(clip.motion):
         return np.tile(np.asarray(clip.motion, dtype=np.float64)[::-1], (clip.count, 1))
     steps = np.zeros((clip.count, 2))
     for t in range(1, clip.count):
+        if t in clip.cuts:
+            continue
         surface = geometry.surface(t)
         seen = surface.motion[surface.whole]
         if len(seen) and np.max(np.ptp(seen, axis=0)) > UNIFORM:
@@ -159,22 +162,29 @@ def uniform_steps(geometry: Geometry) -> NDArray[np.float64] | None:
 
 
 def plan(geometry: Geometry, steps: NDArray[np.float64] | None, launcher: Launcher, *, room: float) -> Iterator[Span]:
-    """Cut a clip in spans as long as tiles stay in view; yields them one by one, in order.
+    """Cut every shot of a clip in spans as long as tiles stay in view; yields them one by one, in order.
 
-    The spans are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
+    The spans of a shot are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
     room: bytes that the places of a frame may take.
     """
 
     def make(start: int, stop: int) -> Span:
         return _span(geometry, start, stop, steps, launcher, room)
 
-    count = geometry.count
-    kept, longest = (KEPT, count) if steps is not None else (KEPT_UNWARPED, longest_unwarped(geometry.clip))
-    middle = count // 2
-    enough = kept * make(middle, middle + 1).measured
+    for first, last in pairwise([0, *geometry.clip.cuts, geometry.count]):
+        longest = last - first if steps is not None else longest_unwarped(geometry.clip)
+        yield from _plan_shot(first, last, make, longest, steps)
+
+
+def _plan_shot(
+    first: int, last: int, make: Callable[[int, int], Span], longest: int, steps: NDArray[np.float64] | None
+) -> Iterator[Span]:
+    """The spans of frames first..last-1. make: start, stop -> a span. longest: frames of one at most."""
+    count, middle = last - first, (first + last) // 2
+    enough = (KEPT if steps is not None else KEPT_UNWARPED) * make(middle, middle + 1).measured
     number = -(-count // longest)
     while True:
-        edges = np.linspace(0, count, number + 1).round().astype(int)
+        edges = np.linspace(first, last, number + 1).round().astype(int)
         bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
         trial = bounds[number // 2]
         span = make(*trial)

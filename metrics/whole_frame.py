@@ -81,7 +81,7 @@ class WholeFrame:
         error = np.zeros((3, *reached.shape), np.float32) if error is None else np.asarray(error, np.float32)
         owner = None
         pairs = self.launcher.zeros(reached.shape, wp.vec4)
-        if self._last is not None:
+        if self._last is not None and t not in self.geometry.clip.cuts:
             owner = shown_before(surface, self.geometry.surface(t - 1), self.launcher)
             pairs = self._compare(error, self._last, surface, owner, reached)
         self._last = error

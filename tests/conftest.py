@@ -108,6 +108,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "unwarped glued": Tolerance(1e-4, "share of the energy; a quintic spline at .3 cycles/px, 2e-6 measured"),
     "alignment floor": Tolerance(0.03, "share of the energy; 1e-11 measured below a quarter of the pixel Nyquist"),
     "occluded": Tolerance(0.01, "share of the energy; 2e-4 measured where an edge of slow surfaces is crossed"),
+    "estimated jitter": Tolerance(3e-4, "share of the energy; a few hundredths of a pixel of .3 px"),
     "kept energy": Tolerance(0.03, "relative; some 1e5 values of noise, octaves that a zoom shifts"),
     "a table of a spline": Tolerance(3e-3, "share of the energy; 16 steps of places, nearest"),
     "left out": Tolerance(1e-4, "radiance^2 of a variance of 1; 4e-6 with all rules, above 4e-3 without one"),

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from swimlab.footage.request import ESTIMATE
 from swimlab.footage.subject import Subject
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
@@ -67,8 +68,9 @@ def _settings(subject: Subject) -> dict[str, Any]:
     else:
         chosen.pop("convention")
     side = chosen.pop("motion_jitter_in")
-    if chosen.pop("motion_jitter") is not None:
-        chosen["motion_jitter"] = side
+    jitter = chosen.pop("motion_jitter")
+    if jitter is not None:
+        chosen["motion_jitter"] = f"{side}, estimated" if jitter == ESTIMATE else side
     return {
         **chosen,
         "fps": subject.fps,

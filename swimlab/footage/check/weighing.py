@@ -14,6 +14,8 @@ FLOWING = "optical flow"
 
 CLEAR = 0.8
 """A reading wins clearly where its residual is under this share of the given one's: two thirds of the energy."""
+NOTHING = 0.005
+"""A reading that leaves less loses to no other: there is nothing left to explain."""
 POOR = 0.5
 """Residual from which on motion does not explain the frames, unless they are noise: noise makes this residual where its
 rms is 0.58 of the picture's own. A reading that leaves more refuses no other: smooth noise may look the same by
@@ -68,7 +70,11 @@ class Weighing:
 
         Of readings that fit equally well, as directions do where the motion is steady, the one that changes least.
         """
-        winners = [name for name, rival in self.rivals.items() if rival.ratio < CLEAR and rival.residual <= POOR]
+        winners = [
+            name
+            for name, rival in self.rivals.items()
+            if rival.given >= NOTHING and rival.ratio < CLEAR and rival.residual <= POOR
+        ]
         least = min((self.rivals[name].residual for name in winners), default=0.0)
         near = [name for name in winners if self.rivals[name].residual <= least + min(_ALIKE, 0.2 * least + _ALIKE / 4)]
         return next((name for name in [*self.settings, IDENTITY] if name in near), "")

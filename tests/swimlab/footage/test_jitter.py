@@ -71,6 +71,16 @@ def test_jitter_of_the_vectors_is_taken_out(flicker, clips, clip, tolerance):
     assert f"jitter of up to {np.abs(JITTER).max():.2g} px is taken out of the motion vectors" in err
 
 
+@pytest.mark.parametrize("clip", [*TAKEN_OUT.values(), ("jittered", "mv")], ids=[*TAKEN_OUT, "of the frames"])
+def test_jitter_is_estimated(flicker, clip, tolerance):
+    side = "frames" if clip[0] == "jittered" else "vectors"
+    plain = flicker(*clip, "--motion-unverified")[0]
+    found, settings, err = flicker(*clip, "--motion-jitter", "estimate", "--motion-jitter-in", side)
+    assert found < tolerance("estimated jitter") < plain / 10
+    assert settings["motion_jitter"] == f"{side}, estimated"
+    assert "px rms is estimated from the frames" in err
+
+
 def test_jitter_is_in_px_of_the_vectors(flicker, clips, tolerance):
     """Half the size of the frames: a pixel of theirs is two."""
     found, _, err = flicker("calm", "mv_half", "--motion-jitter", clips / "jitter.txt")
