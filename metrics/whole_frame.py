@@ -167,7 +167,8 @@ class WholeFrame:
         """Cell by cell, a text a row of the picture: shares of the classes in percent of all pixels and frames, and the
         flicker of edges in decibels to 1 radiance^2, as `levels.rows_of` has them. cell: its side, px.
         """
-        all_pixels = self._cell**2 * len(self._frames)
+        down, right = (np.diff([*range(0, length, self._cell), length]) for length in self.geometry.shape)
+        all_pixels = down[:, None] * right[None, :] * len(self._frames)
         shares = {name: np.rint(100 * self._cells[f"{name} pixels"] / all_pixels).astype(int) for name in CLASSES}
         found: dict[str, list[Any]] = {"cell": [self._cell]}
         found |= {name: [" ".join(map(str, row)) for row in share.tolist()] for name, share in shares.items()}

@@ -14,8 +14,8 @@ from swimlab.report.palette import CLASSES
 LOW, HIGH = -3.0, 0.0
 """Powers of ten of the rms flicker at the scale's ends."""
 
-WIDTH = 436.0
-LEFT, TOP = 12.0, 10.0
+WIDTH = 420.0
+LEFT, TOP = 20.0, 10.0
 BELOW = 48.0
 
 

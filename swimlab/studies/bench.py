@@ -1,25 +1,40 @@
-"""How fast the measures are, on frames that cost nothing to make."""
+"""How fast the measures are, on frames that cost nothing to make, and on files."""
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metrics import Clip, Measurement, align, measure
+from metrics.clip import FrameSource
 from metrics.machine import peak_memory
 from metrics.spans import Placement, Span
 from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
 from metrics.tiles import Level
+from swimlab.runs.frames import read_channels, write_channels
 
 VELOCITY = (23 / 32, 19 / 32)
 TRANSFORMS = "transforms alone"
 MAIN = ("budget", "residual", "plane")
 FAMILIES = (("budget",), ("residual",), ("plane",), MAIN, ())
 """Scores that are timed together; the last is all of them."""
-NAMES = (TRANSFORMS, *(", ".join(names) or "all" for names in FAMILIES))
+PIXEL, FILES = "a vector a pixel", "from files"
+NAMES = (
+    TRANSFORMS,
+    *(", ".join(names) or "all" for names in FAMILIES),
+    f"all, {PIXEL}",
+    f"all, {FILES}",
+    f"all, {PIXEL}, {FILES}",
+)
+
+ZOOM = 5e-4
+"""Share by which the picture grows in a frame where every pixel has a vector of its own."""
 
 
 @dataclass(frozen=True)
@@ -40,19 +55,22 @@ def time_measures(
     memory: float = 1.0e9,
     advance: Callable[[str], None] = lambda _: None,
 ) -> list[Timing]:
-    """Time the measures on a wholly covered clip of noise under uniform motion, test against reference.
+    """Time the measures on a wholly covered clip of noise, test against reference.
 
-    The noise is cut from one larger picture, so that making a frame costs a copy. `memory` is what `measure` may take;
+    It moves uniformly, or grows too; frames are in memory, or read from EXR files of halves in a temporary folder. The
+    noise is cut from one larger picture, so that making a frame costs a copy. `memory` is what `measure` may take;
     `advance` is called with the names timed. The first timing is of the tiles' windows and Fourier transforms, without
     which there is no measure.
     """
     rng = np.random.default_rng(0)
     pool = rng.random((height + frames, width + frames, 3), np.float32)
     still = rng.random((height, width, 3), np.float32)
-    test = Clip(lambda t: pool[t : t + height, t : t + width], frames, motion=VELOCITY)
-    reference = Clip(lambda _: still, frames, motion=VELOCITY)
+    grown = _growing(width, height)
+    made = Clips(lambda t: pool[t : t + height, t : t + width], lambda _: still, lambda _: grown, frames)
 
     def transform() -> None:
+        test, reference = made.pair()
+
         def read(place: Placement) -> Pictures:
             picture = test.planes(place.t)
             return Pictures(picture, picture - reference.planes(place.t))
@@ -61,19 +79,63 @@ def time_measures(
             for span in align(test, keep=False).spans:
                 sweep.run(span, lambda _: None)
 
-    scored = partial(measure, test, reference, threads=threads, memory=memory)
-    works: list[Callable[[], object]] = [transform, *(partial(scored, names=names or None) for names in FAMILIES)]
+    scored = partial(measure, threads=threads, memory=memory)
     # What is loaded and touched for the first time is not the measures' time.
-    measure(replace(test, count=2), replace(reference, count=2), threads=threads, memory=memory)
-    timings = []
-    for name, work in zip(NAMES, works, strict=True):
-        started = time.perf_counter()
-        work()
-        elapsed = time.perf_counter() - started
-        peak = peak_memory()
-        timings.append(Timing(name, frames / elapsed, peak))
-        advance(name)
+    for unwarped in (False, True):
+        scored(*replace(made, count=2).pair(unwarped=unwarped))
+    with TemporaryDirectory() as folder:
+        stored = made.written(Path(folder))
+        works: list[Callable[[], object]] = [
+            transform,
+            *(partial(scored, *made.pair(), names=names or None) for names in FAMILIES),
+            partial(scored, *made.pair(unwarped=True)),
+            partial(scored, *stored.pair()),
+            partial(scored, *stored.pair(unwarped=True)),
+        ]
+        timings = []
+        for name, work in zip(NAMES, works, strict=True):
+            started = time.perf_counter()
+            work()
+            elapsed = time.perf_counter() - started
+            timings.append(Timing(name, frames / elapsed, peak_memory()))
+            advance(name)
     return timings
+
+
+@dataclass(frozen=True)
+class Clips:
+    """Where a test, its reference and their motion come from."""
+
+    test: FrameSource
+    reference: FrameSource
+    motion: FrameSource
+    count: int
+
+    def pair(self, *, unwarped: bool = False) -> tuple[Clip, Clip]:
+        """Test and reference, with one motion for all pixels or a vector for each."""
+        motion = self.motion if unwarped else VELOCITY
+        return Clip(self.test, self.count, motion=motion), Clip(self.reference, self.count, motion=motion)
+
+    def written(self, folder: Path) -> "Clips":
+        """The same from files that are written into a folder."""
+        colour, vector = ("R", "G", "B"), ("X", "Y")
+        for t in range(self.count):
+            for name, source in (("test", self.test), ("reference", self.reference)):
+                write_channels(folder / f"{name}.{t:04d}.exr", source(t), colour, half=True, metadata={})
+            write_channels(folder / f"motion.{t:04d}.exr", self.motion(t), vector, half=False, metadata={})
+        return Clips(
+            lambda t: read_channels(folder / f"test.{t:04d}.exr", colour),
+            lambda t: read_channels(folder / f"reference.{t:04d}.exr", colour),
+            lambda t: read_channels(folder / f"motion.{t:04d}.exr", vector),
+            self.count,
+        )
+
+
+def _growing(width: int, height: int) -> NDArray[np.float32]:
+    """[H, W, 2], a motion by VELOCITY of a picture that grows about its middle."""
+    row, column = np.indices((height, width), dtype=np.float32)
+    away = np.stack([column - width / 2, row - height / 2], axis=2)
+    return np.asarray(VELOCITY + ZOOM * away, np.float32)
 
 
 class _Spectra:
