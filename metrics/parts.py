@@ -47,7 +47,8 @@ def parts(span: Span, held: Callable[[Level], float], room: float) -> Iterator[S
         rows = slice(min(rows.start, reach.start), max(rows.stop, reach.stop)) if chosen else reach
         taken += held(level)
         chosen.append(piece)
-    yield _part(span, chosen, number, rows)
+    # A single part has all rows, so that its places serve every pixel's scores too.
+    yield _part(span, chosen, number, rows if number else span.rows)
 
 
 def _part(span: Span, chosen: list[Piece], number: int, rows: slice) -> Span:

@@ -97,7 +97,8 @@ def measure(
         found = None if exact is None else exact.exact(t)
         off = None if found is None else picture - found[0]
         if every_pixel and place.span.part == 0:
-            whole.add(t, off)
+            span = place.span
+            whole.add(t, off, place if span.rows == slice(0, span.shape[0]) else None)
         seen = place.align(picture)
         if exact is None or found is None or off is None:
             return Pictures(seen)

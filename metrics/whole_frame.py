@@ -9,7 +9,6 @@ of this the share that flickers is given back, so that noise reads its own energ
 without that surface in the frame before has just come into view.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +25,7 @@ from metrics.kernels.pattern import pattern_at
 from metrics.levels import rows_of
 from metrics.measurement import Measurement, Metric
 from metrics.ratios import Ratios
-from metrics.spans import Span
+from metrics.spans import Placement, Span
 from metrics.synthetic import texture
 
 ALIKE = 0.3
@@ -71,13 +70,15 @@ class WholeFrame:
 
     def begin(self, span: Span) -> None:
         """The frames of the next span follow."""
-        self._reached = reached_pixels(span, self.launcher)
-        self._middle = (span.start + span.stop) // 2
+        self._span, self._places = span, span.placements()
 
-    def add(self, t: int, error: Image | None) -> None:
-        """The next frame's error [3, H, W], test minus reference; None without one."""
+    def add(self, t: int, error: Image | None, place: Placement | None = None) -> None:
+        """The next frame's error [3, H, W], test minus reference; None without one.
+
+        place: where it lies on all rows of the span; None: found here, for all frames of the span.
+        """
         surface = self.geometry.surface(t)
-        reached = next(self._reached) & surface.covered
+        reached = reached_pixels(place or next(self._places), self.launcher) & surface.covered
         error = np.zeros((3, *reached.shape), np.float32) if error is None else np.asarray(error, np.float32)
         owner = None
         pairs = self.launcher.zeros(reached.shape, wp.vec4)
@@ -104,7 +105,7 @@ class WholeFrame:
                     key = "edges_flicker" if name == "edges flicker" else f"{name}_mse"
                     row[key] = float(values.sum() / pixels.sum())
         self._frames.append(row)
-        if t == self._middle and owner is not None and sums["edges"].any():
+        if t == (self._span.start + self._span.stop) // 2 and owner is not None and sums["edges"].any():
             self._measure_floor(surface, reached, owner)
 
     def _measure_floor(self, surface: Surface, reached: Mask, owner: Any) -> None:
@@ -234,21 +235,20 @@ def pair_flicker(sums: Cells) -> NDArray[np.float64]:
     return np.asarray(difference / 2 * max(1.0, mended / half))
 
 
-def reached_pixels(span: Span, launcher: Launcher) -> Iterator[Mask]:
-    """Frame by frame of a span, in order, the pixels [H, W] where the surface is that its tiles reach."""
-    if span.correspondence is None:
-        for offset in span.offsets:
-            moved = np.zeros_like(span.reached)
-            height, width = span.shape
-            down = min(max(round(offset[0]), -height), height)
-            right = min(max(round(offset[1]), -width), width)
-            to = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
-            of = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
-            moved[to] = span.reached[of]
-            yield moved
-        return
-    for t, away in enumerate(span.correspondence.places(slice(0, span.shape[0])), span.start):
-        yield span.reached if t == span.anchor else _landed(away, span.reached, launcher)
+def reached_pixels(place: Placement, launcher: Launcher) -> Mask:
+    """The pixels [H, W] of a frame where the surface is that the tiles of its span reach."""
+    span = place.span
+    if place.away is not None:
+        return span.reached if place.t == span.anchor else _landed(place.away, span.reached, launcher)
+    moved = np.zeros_like(span.reached)
+    height, width = span.shape
+    offset = span.offsets[place.t - span.start]
+    down = min(max(round(offset[0]), -height), height)
+    right = min(max(round(offset[1]), -width), width)
+    to = slice(max(0, down), height + min(0, down)), slice(max(0, right), width + min(0, right))
+    of = slice(max(0, -down), height - max(0, down)), slice(max(0, -right), width - max(0, right))
+    moved[to] = span.reached[of]
+    return moved
 
 
 def _landed(away: Field, reached: Mask, launcher: Launcher) -> Mask:
