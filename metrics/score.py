@@ -24,8 +24,8 @@ TRAVEL = 25.0
 HALF_THE_PICTURE = 0.5
 """Below this share of measured pixels there is a note."""
 
-MEMORY = 1.2e9
-"""Bytes that measuring may take, if nothing else is said."""
+MEMORY, MEMORY_PER_PIXEL = 1.2e9, 290.0
+"""Bytes that measuring may take, if nothing else is said, and for each pixel of a large frame."""
 
 Progress = Callable[[int, int], None]
 
@@ -40,7 +40,7 @@ def measure(
     names: Sequence[str] | None = None,
     alignment: Alignment | None = None,
     progress: Progress | None = None,
-    memory: float = MEMORY,
+    memory: float | None = None,
     threads: int | None = None,
     device: str = "cpu",
 ) -> Measurement:
@@ -55,7 +55,8 @@ def measure(
     names: scores to measure, by name or beginning ("budget"); None: all.
     alignment: from `align`, of a clip with the same motion, coverage and depth; None: made here.
     progress: called with frames done and frames in all.
-    memory: bytes that may be taken beside what `alignment` holds; where that is not enough for all tiles at once,
+    memory: bytes that may be taken beside what `alignment` holds (None: MEMORY, or MEMORY_PER_PIXEL for frames above
+        4 megapixels); where that is not enough for all tiles at once,
         frames are read again for some at a time. At least two frames and a few tiles are held.
     threads: how many work at a time; None: one a core. Scores are the same bits for any number and any memory.
     device: where frames are followed and unwarped, and pixels compared: "cpu", or a GPU as "cuda:0".
@@ -71,6 +72,8 @@ def measure(
     if exact is not None and (exact.domain, exact.display) != (domain, display):
         raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
     geometry = _geometry(test, exact.reference if exact else None)
+    height, width = geometry.shape
+    memory = memory or max(MEMORY, MEMORY_PER_PIXEL * height * width)
     launcher = Launcher(threads=threads, device=device)
     alignment = alignment or align(geometry, keep=False, room=memory / 4, launcher=launcher)
     steps = alignment.steps
