@@ -60,8 +60,8 @@ def measure(
         frames are read again for some at a time. At least two frames and a few tiles are held.
     threads: how many work at a time; None: one a core. Scores are the same bits for any number and any memory.
     device: where frames are followed and unwarped, and pixels compared: "cpu", or a GPU as "cuda:0".
-    Frames are read one at a time, by one thread, and more than once. Raises ClipError for frames that cannot be
-    measured and ValueError for an unknown name.
+    Frames are read one at a time, by one thread, and once where the memory allows. Raises ClipError for frames that
+    cannot be measured and ValueError for an unknown name or device.
     """
     registry.check_names(names)
     exact = reference if isinstance(reference, ReferenceFrames) else None
