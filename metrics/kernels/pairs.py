@@ -65,7 +65,8 @@ def compare_pairs(
     found: wp.array2d(dtype=wp.vec4),
 ):
     """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
-    interpolated and not. Squares are means over channels. All 0 where skipped.
+    interpolated and not. Squares are means over channels. What is skipped is
+    left as it is.
 
     frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
     of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`
@@ -73,9 +74,9 @@ def compare_pairs(
     """
     row, column = wp.tid()
     i = first + row
-    found[i, column] = wp.vec4(0.0, 0.0, 0.0, 0.0)
     if skipped[i, column] != wp.uint8(0):
         return
+    found[i, column] = wp.vec4(0.0, 0.0, 0.0, 0.0)
     moved = motion[i, column]
     x = wp.float32(column) - moved[0]
     y = wp.float32(i) - moved[1]
