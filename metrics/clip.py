@@ -118,10 +118,11 @@ class Clip:
         if raw.ndim != 3 or raw.shape[2] != 2:
             raise ClipError(f"motion of frame {t} has shape {raw.shape}; give height x width x 2 (x, y)")
         finite = np.isfinite(raw)
-        covered = None if finite.all() else self.covered(t)
+        whole = bool(finite.all())
+        covered = None if whole else self.covered(t)
         if covered is not None and covered.shape == raw.shape[:2]:
             raw = np.where(finite | covered[:, :, None], raw, np.float32(0.0))
-        self._check(raw, "motion of frame", t)
+        self._check(raw, "motion of frame", t, finite=not whole)
         return raw
 
     def distance(self, t: int) -> NDArray[np.float64] | None:

@@ -21,19 +21,16 @@ FINEST = 3
 STEPS = 16
 """Steps of the table from a pixel to the middle between two."""
 
-
 # Frequencies over which it is averaged, along each axis.
 _BINS = 64
 
 
 def _weights(t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """[6, ...], the quintic spline's weights of the samples -2..3 at places t in 0..1."""
-    s = 1 - t
-    second, inner = (
-        lambda t: 26 - 50 * t + 20 * t**2 + 20 * t**3 - 20 * t**4 + 5 * t**5,
-        lambda t: 66 - 60 * t**2 + 30 * t**4 - 10 * t**5,
-    )
-    return np.array([s**5, second(t), inner(t), inner(s), second(s), t**5]) / 120
+    """[6, n], the quintic spline's weights of the samples -2..3 at places t [n] in 0..1."""
+    from scipy.interpolate import BSpline  # heavy
+
+    spline = BSpline.basis_element(np.arange(-3.0, 4.0), extrapolate=False)
+    return np.nan_to_num(spline(t - np.arange(-2, 4)[:, None]))
 
 
 @cache

@@ -65,8 +65,7 @@ def compare_pairs(
     found: wp.array2d(dtype=wp.vec4),
 ):
     """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
-    interpolated and not. Squares are means over channels. What is skipped is
-    left as it is.
+    interpolated and not. Squares are means over channels. What is skipped is left as it is.
 
     frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
     of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.clip import WHOLE
 from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour
 from swimlab.footage.colour import ColourSpace, decode, quantisation_floor, resolve
@@ -90,7 +91,7 @@ class Source:
     def coverage(self, index: int) -> Image:
         """[H, W] 1 where the alpha lets a pixel be measured, else 0."""
         alpha = self._read(index)[..., -1]
-        enough = alpha > 0 if self._look.alpha == "unpremultiply" else alpha >= 1 - 1e-6
+        enough = alpha > 0 if self._look.alpha == "unpremultiply" else alpha >= WHOLE
         return enough.astype(np.float32)
 
     def quantisation(self, indices: Iterable[int], domain: Domain, display: Display) -> list[float | None]:

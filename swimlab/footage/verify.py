@@ -130,8 +130,9 @@ def _judge_rest(
     said: str,
 ) -> Verification:
     """Of motion that no other reading beats: its factors, regions, and the frames that are there twice."""
-    if scale is not None and factor.fitted(motion, scale):
-        setting = next(setting for setting, _ in factor.fitted(motion, scale).values())
+    fitted = factor.fitted(motion, scale)
+    if scale is not None and fitted:
+        setting = next(setting for setting, _ in fitted.values())
         text = f"is too short or long: {factor.said(scale)}, which explains {scale.explained:.0%} of what it leaves"
         if scale.explained > 1 - CLEAR**2:
             return _refuse(found, f"{text}. Use {setting}", said)

@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from metrics.clip import WHOLE
 from swimlab.footage.motion import Points
 from swimlab.runs.frames import Image
 
 GIVEN = "as given"
 IDENTITY = "no motion"
-
-WHOLE = 1 - 1e-6
-"""Coverage from which on a pixel is wholly covered."""
 
 _POINTS = 20_000
 _FLAT = 1e-6

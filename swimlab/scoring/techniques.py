@@ -63,8 +63,8 @@ def _clip_scorer(
     frames = record.frames
     width, height = record.sequence["size"]
     geometry = read_clip(run, record, record.techniques[0], frames)
-    launcher = Launcher(device=device)
-    shared = align(geometry, launcher=launcher) if len(frames) * width * height * 8 < KEPT_BYTES else None
+    fits = len(frames) * width * height * 8 < KEPT_BYTES
+    shared = align(geometry, launcher=Launcher(device=device)) if fits else None
     display = display_of(record)
     exact = None
     if REFERENCE in record.techniques:

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from metrics.clip import WHOLE
 from swimlab.footage.motion import Points
-from swimlab.footage.warping import WHOLE, grid, inside
+from swimlab.footage.warping import grid, inside
 from swimlab.runs.frames import Image
 
 POINTS = 8_000

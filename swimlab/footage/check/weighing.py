@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from metrics.clip import WHOLE
 from swimlab.footage.motion import EstimatedMotion, Motion, Points
-from swimlab.footage.warping import GIVEN, IDENTITY, WHOLE, Pair, Reading, Rival, grid, residuals_of
+from swimlab.footage.warping import GIVEN, IDENTITY, Pair, Reading, Rival, grid, residuals_of
 from swimlab.runs.frames import Image
 
 FLOWING = "optical flow"
