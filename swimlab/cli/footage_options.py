@@ -10,7 +10,7 @@ from metrics import Display
 from swimlab.footage.convention import PRESETS, Convention, Preset
 from swimlab.footage.jitter import Side
 from swimlab.footage.request import Request
-from swimlab.footage.source import Box, Look
+from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.runs.frames import FrameError
 
 Hyphens = Parameter(allow_leading_hyphen=True)
@@ -40,9 +40,20 @@ class Footage:
     channels:
         Three channels with commas, one channel, or a layer's name (default: R,G,B).
     colorspace:
-        Colour space of the files; auto: floats linear, integers as their metadata says, else 8 bit sRGB, 16 bit linear.
+        Colour space of the files: linear, srgb, or a name of OpenColorIO's configuration (swimlab list colorspaces);
+        auto: as their metadata says; without a word floats are linear, 8 bit sRGB, 16 bit linear.
     alpha:
-        Ignore alpha, measure only pixels of alpha 1, or divide premultiplied colours by it.
+        Ignore alpha (default), measure only pixels of alpha 1, or divide premultiplied colours by it.
+    part:
+        Part of the files to look into, by name, view (left) or index.
+    reference_channels:
+        As --channels, of the reference; without these four, what its own files say counts, then the test's options.
+    reference_colorspace:
+        As --colorspace, of the reference.
+    reference_alpha:
+        As --alpha, of the reference.
+    reference_part:
+        As --part, of the reference.
     mask:
         Picture, or one a frame: measured where its first channel is above 0.5.
     crop:
@@ -51,6 +62,8 @@ class Footage:
         What motion vectors mean (swimlab list conventions); the options below change single points of it.
     motion_channels:
         Their two channels, x,y.
+    motion_part:
+        As --part, of the files of motion vectors.
     motion_unit:
         Pixels, a picture 2 wide and high (ndc), or 1 wide and high (uv).
     motion_direction:
@@ -88,12 +101,18 @@ class Footage:
     fps: float | None = None
     range_of_frames: Annotated[str | None, Parameter(name="--frames")] = None
     channels: str | None = None
-    colorspace: Literal["auto", "linear", "srgb"] = "auto"
-    alpha: Literal["ignore", "mask", "unpremultiply"] = "ignore"
+    colorspace: str | None = None
+    alpha: AlphaUse | None = None
+    part: str | None = None
+    reference_channels: str | None = None
+    reference_colorspace: str | None = None
+    reference_alpha: AlphaUse | None = None
+    reference_part: str | None = None
     mask: str | None = None
     crop: Annotated[str | None, Hyphens] = None
     motion_convention: Preset = "own"
     motion_channels: str | None = None
+    motion_part: str | None = None
     motion_unit: Literal["px", "ndc", "uv"] | None = None
     motion_direction: Literal["backward", "forward"] | None = None
     motion_y: Literal["down", "up"] | None = None
@@ -123,7 +142,9 @@ class Footage:
             mask=self.mask,
             fps=self.fps,
             frames=self.range_of_frames,
-            look=Look(channels=self.channels, colour_space=self.colorspace, alpha=self.alpha, crop=_crop(self.crop)),
+            look=Look(self.channels, self.colorspace, self.alpha, self.part, _crop(self.crop)),
+            reference_look=self._reference_look(),
+            motion_part=self.motion_part,
             convention=self._convention(),
             motion_mask=self.motion_mask,
             motion_jitter=self.motion_jitter,
@@ -135,6 +156,13 @@ class Footage:
             pixels_per_degree=viewing.get("pixels_per_degree"),
             luminance=viewing.get("luminance"),
         )
+
+    def _reference_look(self) -> Look:
+        options = {name: getattr(self, f"reference_{name}") for name in ("channels", "colorspace", "alpha", "part")}
+        given = [f"--reference-{name} {value}" for name, value in options.items() if value is not None]
+        if self.reference is None and given:
+            raise FrameError(f"{given[0]}: is for a reference; give --reference, or leave it out")
+        return Look(*options.values())
 
     def viewing(self) -> dict[str, float]:
         """What is given of pixels_per_degree and luminance. Raises FrameError where one is not above 0."""

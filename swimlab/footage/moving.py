@@ -65,6 +65,8 @@ def _refuse_parts_of_files(request: Request) -> None:
     if motion in (None, ESTIMATE) and (mask or jitter):
         option = "--motion-mask" if mask else "--motion-jitter"
         raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
+    if motion is None and request.motion_part is not None:
+        raise FrameError(f"--motion-part {request.motion_part}: is for files of motion vectors; give --motion")
     if jitter is None and request.motion_jitter_in != "vectors":
         raise FrameError("--motion-jitter-in: says who has the jitter; give --motion-jitter FILE or estimate too")
     if motion is not None and mask and _VECTOR.fullmatch(motion):
@@ -88,6 +90,7 @@ def _open_files(
         size=test.reader.header.size,
         kept=kept,
         crop=request.look.crop,
+        part=request.motion_part,
         mask=mask,
         note=note,
         say=say,

@@ -70,6 +70,9 @@ class ImageReader:
                 found[index] = (
                     f"{path}: has no channels {', '.join(channels)} as the others have; it has {names}; {LEAVE_OUT}"
                 )
+            elif header.parts[part].colour_space != self.header.parts[part].colour_space:
+                said, most = (each.parts[part].colour_space or "no colour space" for each in (header, self.header))
+                found[index] = f"{path}: says that it is in {said}, the first frame {most}; all need one: {LEAVE_OUT}"
         return found
 
     def damage(self) -> dict[int, str]:

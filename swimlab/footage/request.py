@@ -18,8 +18,10 @@ class Request:
     motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
     own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
     motion_jitter: text file of the frames' jitter, px, of the vectors where there are any, or "estimate"; it is in the
-    vectors alone or in the frames alone, as motion_jitter_in says. frames: range for names without one of their own.
-    skip_bad_frames: leave out what cannot be measured. unverified: measure though the motion does not fit the frames.
+    vectors alone or in the frames alone, as motion_jitter_in says. look: how the test is read, and the reference where
+    neither reference_look nor its files say otherwise; its crop is of all. motion_part: of the files of vectors.
+    frames: range for names without one of their own. skip_bad_frames: leave out what cannot be measured. unverified:
+    measure though the motion does not fit the frames.
     """
 
     test: str
@@ -29,6 +31,8 @@ class Request:
     fps: float | None = None
     frames: str | None = None
     look: Look = field(default_factory=Look)
+    reference_look: Look = field(default_factory=Look)
+    motion_part: str | None = None
     convention: Convention = PRESETS["own"]
     motion_mask: str | None = None
     motion_jitter: str | None = None

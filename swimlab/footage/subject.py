@@ -1,7 +1,7 @@
 """What is measured: opened frames, which of them are good, where they are covered, and how they move."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
 from swimlab.footage.pattern import frame_range
 from swimlab.footage.reader import Reader, open_frames
+from swimlab.footage.reference import curve_between, open_reference
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.source import Mask, Source
 from swimlab.footage.verify import verify
@@ -52,18 +53,23 @@ class Subject:
         self.test = Source(open_frames(request.test, frames=request.frames), look)
         self.reference = None
         if request.reference is not None:
-            self.reference = Source(open_frames(request.reference, frames=request.frames), look)
-            self._match(self.reference.reader, "reference")
-        if look.alpha != "ignore" and not any(source and source.has_coverage for source in (self.test, self.reference)):
-            raise FrameError(f"--alpha {look.alpha}: {self.test.reader.name} has no alpha")
+            reader = open_frames(request.reference, frames=request.frames)
+            self._match(reader, "reference")
+            self.reference = open_reference(reader, request.reference_look, self.test)
+            if self.reference.space != self.test.space:
+                say(f"the test is taken as {self.test.space}, the reference as {self.reference.space}")
+        self._check_alpha()
         self.mask = None
         if request.mask is not None:
             self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
             self._match(self.mask.reader, "mask", still=True)
         self._warn_of_loss()
+        for source in filter(None, (self.test, self.reference)):
+            source.measured = self._stated_coverage()
         self.kept = self._good_frames()
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
+        self._check_measured()
         moving = open_motion(
             request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=say
         )
@@ -72,6 +78,7 @@ class Subject:
             self.motion = self._without_estimated_jitter()
         self.checked = self._verify(pictures)
         """How well the motion fits the frames."""
+        self._compare_curves()
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""
@@ -117,15 +124,44 @@ class Subject:
             cuts=tuple(kept.index(cut) for cut in self.checked.cuts),
         )
 
-    def _coverage(self) -> Callable[[int], Image] | None:
+    def _stated_coverage(self) -> Callable[[int], Image] | None:
         """Where frames are measured, by mask, test and reference."""
         givers = [each.coverage for each in (self.test, self.reference) if each and each.has_coverage]
         givers += [self.mask.coverage] if self.mask is not None else []
-        if self.motion.known(self.kept[1], self.kept[0]) is not None:
-            givers.append(self._known)
-        if not givers:
-            return None
-        return lambda index: np.minimum.reduce([giver(index) for giver in givers])
+        return _least(givers)
+
+    def _coverage(self) -> Callable[[int], Image] | None:
+        """Where frames are measured: that, and where their motion is known."""
+        stated = self._stated_coverage()
+        known = self.motion.known(self.kept[1], self.kept[0]) is not None
+        return _least([*filter(None, [stated]), *([self._known] if known else [])])
+
+    def _check_alpha(self) -> None:
+        """Raise FrameError where alpha is to be used and there is none."""
+        asked, own = self.request.look.alpha, self.request.reference_look.alpha
+        sources = list(filter(None, (self.test, self.reference)))
+        if asked not in (None, "ignore") and not any(source.has_coverage for source in sources):
+            raise FrameError(f"--alpha {asked}: {self.test.reader.name} has no alpha")
+        if own not in (None, "ignore") and self.reference is not None and not self.reference.has_coverage:
+            raise FrameError(f"--reference-alpha {own}: {self.reference.reader.name} has no alpha")
+
+    def _check_measured(self) -> None:
+        """Raise FrameError where mask and alpha leave nothing to measure."""
+        coverage = self._stated_coverage()
+        if coverage is not None and not any(coverage(index).any() for index in self.sampled()):
+            raise FrameError(
+                f"{self.test.reader.name}: no pixel is to be measured: the mask is nowhere above 0.5 or the alpha "
+                "nowhere 1; mend it, or leave out --mask and --alpha"
+            )
+
+    def _compare_curves(self) -> None:
+        """Warn where test and reference differ by a transfer curve."""
+        if self.reference is not None:
+            index, coverage = self.kept[len(self.kept) // 2], self._coverage()
+            text = curve_between(self.test, self.reference, index, None if coverage is None else coverage(index))
+            if text:
+                self.notes.append(text)
+                self._warn(text)
 
     def _known(self, index: int) -> Image:
         """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""
@@ -228,3 +264,8 @@ class Subject:
         """Keep what a reader should know for the scores, and say it."""
         self.notes.append(text)
         self._say(text)
+
+
+def _least(givers: Sequence[Callable[[int], Image]]) -> Callable[[int], Image] | None:
+    """The least of several coverages, None where there is none."""
+    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None

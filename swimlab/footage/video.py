@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from swimlab.footage.colour_tags import space_of_codes
 from swimlab.footage.header import Header, Part
 from swimlab.footage.pattern import frame_range, parse_range
 from swimlab.runs.frames import FrameError, Image
@@ -26,11 +27,11 @@ class VideoReader:
             limited = str(context.format.name).startswith("yuv") and getattr(context, "color_range", 1) != 2
             count = sum(1 for _ in container.decode(stream))
             rate = stream.average_rate
+            space = space_of_codes(int(context.color_primaries), int(context.color_trc))
             self.header = Header(
                 size=(context.width, context.height),
-                parts=(Part("", _CHANNELS, ("uint16" if wide else "uint8",) * 3),),
+                parts=(Part("", _CHANNELS, ("uint16" if wide else "uint8",) * 3, space),),
                 compression="lossless video" if context.name in _LOSSLESS else "lossy video",
-                colour_space="srgb",
                 fps=float(rate) if rate else None,
                 full_scale=(219 << (max(part.bits for part in context.format.components) - 8)) if limited else None,
             )
