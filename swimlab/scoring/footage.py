@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from swimlab.footage.colour import AUTO
 from swimlab.footage.request import ESTIMATE
 from swimlab.footage.subject import Subject
 from swimlab.runs.provenance import provenance
@@ -59,6 +60,15 @@ def _settings(subject: Subject) -> dict[str, Any]:
     """All that decides the scores but for the pixels, and for the display, which stands with the scores."""
     request = subject.request
     chosen = asdict(request)
+    look, reference_look, motion_part = chosen["look"], _said(chosen.pop("reference_look")), chosen.pop("motion_part")
+    chosen["look"] = _said(look) | {
+        "channels": look["channels"],
+        "colour_space": look["colour_space"] or AUTO,
+        "alpha": look["alpha"] or "ignore",
+        "crop": look["crop"],
+    }
+    chosen |= {"reference_look": reference_look} if reference_look else {}
+    chosen |= _said({"motion_part": motion_part})
     for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
         chosen.pop(part_of_command)
     height, width = subject.test.shape
@@ -83,3 +93,8 @@ def _settings(subject: Subject) -> dict[str, Any]:
         "mask": request.mask is not None,
         "unverified": request.unverified,
     }
+
+
+def _said(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that are given."""
+    return {name: value for name, value in options.items() if value is not None}

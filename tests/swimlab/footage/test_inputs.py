@@ -1,5 +1,7 @@
 """Every input has its own channels, colour space, alpha and part; and only what is measured must be usable."""
 
+import json
+
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
@@ -167,6 +169,22 @@ def test_alpha_is_whole_where_8_bit_could_not_tell_it_from_one(clip, alpha, whol
     else:
         with pytest.raises(FrameError, match="no pixel is to be measured"):
             subject(test, look=Look(alpha="mask"))
+
+
+def test_settings_name_what_is_said_of_each_input_and_no_more(swimlab, clip):
+    """A default that is new adds nothing, so that scores of one version can be compared with those of the next."""
+
+    def settings(*words):
+        code, out, err = swimlab("measure", "--test", test, "--reference", test, "--json", *words)
+        assert code == 0, err
+        return json.loads(out)["provenance"]["settings"]
+
+    test = clip("test", rgb(GREY))
+    plain = settings()
+    assert plain["look"] == {"channels": None, "colour_space": "auto", "alpha": "ignore", "crop": None}
+    assert not {"reference_look", "motion_part"} & set(plain)
+    said = settings("--part", "0", "--reference-part", "0")
+    assert (said["look"]["part"], said["reference_look"]) == ("0", {"part": "0"})
 
 
 def test_options_of_what_is_not_given_are_refused(swimlab, clip):
