@@ -60,6 +60,8 @@ def read_header(path: Path) -> Header:
     source.close()
     if all(part.deep for part in parts):
         raise FrameError(f"{path}: is deep, with any number of samples a pixel; flatten it, as oiiotool --flatten does")
+    if first.get_int_attribute("oiio:Movie"):
+        raise FrameError(f"{path}: is a moving picture; write its frames as files, as ffmpeg does, and name these")
     suffix = path.suffix.lower()
     rate = first.getattribute("FramesPerSecond")
     if isinstance(rate, tuple):

@@ -1,6 +1,5 @@
 """What is measured: opened frames, which of them are good, where they are covered, and how they move."""
 
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from swimlab.footage.header import LOSSY
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
-from swimlab.footage.pattern import frame_range
+from swimlab.footage.pattern import frame_range, parse_pattern
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import curve_between, open_reference
 from swimlab.footage.request import ESTIMATE, Request
@@ -94,7 +93,8 @@ class Subject:
     def name(self) -> str:
         """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
         path = Path(self.request.test)
-        bare = re.sub(r"[-._]*(?:[-\d,x:]*-[-\d,x:]*)?(?:#+|%0?\d*d)", "", path.stem)
+        pattern = parse_pattern(path)
+        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
         return bare or path.absolute().parent.name or "frames"
 
     @property
