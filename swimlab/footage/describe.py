@@ -18,8 +18,10 @@ def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
     """
     reader = open_frames(name)
     header = reader.header
+    there = [number for index, number in enumerate(reader.numbers) if index not in reader.gaps]
+    uneven = ", at uneven times, which number them" if reader.gaps else ""
     lines = [
-        ("frames", f"{len(reader.numbers)}, {frame_range(reader.numbers)}"),
+        ("frames", f"{len(there)}, {frame_range(there)}{uneven}"),
         ("name", reader.name),
         ("size", "{}x{}".format(*header.size)),
     ]

@@ -214,12 +214,12 @@ class Subject:
             problems = (source.problems() if source is not None else {}) | problems
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
             problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
-        count = len(self.test.reader.numbers)
+        there = self._times()
         if not self.request.skip_bad_frames:
             if problems:
                 raise FrameError(problems[min(problems)])
-            return list(range(count))
-        for index in range(count):
+            return there
+        for index in there:
             for source in (self.test, self.reference):
                 if source is not None and index not in problems:
                     try:
@@ -229,7 +229,19 @@ class Subject:
         skipped = [self.test.reader.numbers[index] for index in sorted(problems)]
         if skipped:
             self.note(f"{len(skipped)} bad frames are left out: {frame_range(skipped)}")
-        return [index for index in range(count) if index not in problems]
+        return [index for index in there if index not in problems]
+
+    def _times(self) -> list[int]:
+        """Indices at which all inputs have a frame: a video's time stamps may leave some out."""
+        readers = [source.reader for source in (self.test, self.reference, self.mask) if source is not None]
+        gaps: frozenset[int] = frozenset().union(*(reader.gaps for reader in readers))
+        count = len(self.test.reader.numbers)
+        if gaps:
+            self.note(
+                f"frames are shown at uneven times: {count - len(gaps)} of {count} times at {self.fps:g} frames a "
+                "second have one; the motion is that of such a time"
+            )
+        return [index for index in range(count) if index not in gaps]
 
     def _match(self, reader: Reader, what: str, *, still: bool = False) -> None:
         """Raise FrameError where an input has another size or number of frames than the test."""
