@@ -129,5 +129,5 @@ def _views(configuration: str) -> list[tuple[str, str]]:
 def _closest(name: str, names: list[str]) -> str:
     """What a mistaken name may have meant, for an error message."""
     by_case = {each.casefold(): each for each in names}
-    close = [by_case[each] for each in difflib.get_close_matches(name.casefold(), by_case, _CLOSE, cutoff=0.4)]
-    return f"; close to it are {', '.join(close)}" if close else f"; it has {', '.join(names)}"
+    close = [by_case[each] for each in difflib.get_close_matches(name.casefold(), by_case, _CLOSE, cutoff=0.0)]
+    return f"; close to it are {', '.join(close)}"

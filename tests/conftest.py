@@ -105,6 +105,8 @@ TOLERANCES: dict[str, Tolerance] = {
     "rate by milliseconds": Tolerance(5e-3, "relative; half a millisecond of some hundred"),
     "light of a code": Tolerance(6e-3, "relative; half a 10-bit code of PQ or HLG at mid greys, and four digits"),
     "16-bit codes of a video": Tolerance(1e-4, "of 1; swscale's integers: 3e-5 measured"),
+    "code of a view": Tolerance(2e-5, "of 1; OpenColorIO's fast powers in float32"),
+    "ACES": Tolerance(2e-3, "of 1; tables of the ACES 2.0 gamut"),
     "percent rounding": Tolerance(1e-9, "percent; means of doubles"),
     "rounding of means": Tolerance(1e-6, "relative"),
     "spread of 60": Tolerance(0.45, "relative; 9% for 60 clips, and the overlap of few tiles is overrated by 25%"),

@@ -93,6 +93,9 @@ class Footage:
         Stops by which frames are brightened for the display domain (default: 0).
     tone_map:
         How bright light is brought under 1 for the display domain (default: none, it is clamped).
+    display:
+        DISPLAY/VIEW of OpenColorIO's configuration that the display domain sees, instead of --tone-map (swimlab list
+        views).
     """
 
     test: str | None = None
@@ -127,6 +130,7 @@ class Footage:
     luminance: float | None = None
     exposure: Annotated[float | None, Hyphens] = None
     tone_map: Literal["none", "reinhard", "aces"] | None = None
+    display: str | None = None
 
     def request(self, domain: Literal["linear", "display"]) -> Request:
         """What to measure. Raises FrameError for an option that cannot be read."""
@@ -172,13 +176,14 @@ class Footage:
         return {name: value for name, value in given.items() if value is not None}
 
     def _display(self, domain: Literal["linear", "display"]) -> Display:
-        for option, value in (("--exposure", self.exposure), ("--tone-map", self.tone_map)):
+        options = (("--exposure", self.exposure), ("--tone-map", self.tone_map), ("--display", self.display))
+        for option, value in options:
             if value is not None and domain != "display":
                 raise FrameError(f"{option} {value}: is for --domain display")
         try:
-            return Display(exposure=self.exposure or 0.0, tone_map=self.tone_map or "none")
+            return Display(exposure=self.exposure or 0.0, tone_map=self.tone_map or "none", view=self.display)
         except ValueError as error:
-            raise FrameError(f"--exposure: {error}") from error
+            raise FrameError(f"{'--exposure' if self.display is None else '--display'}: {error}") from error
 
     def _convention(self) -> Convention:
         preset = PRESETS[self.motion_convention]

@@ -73,10 +73,13 @@ def reference_error(run: Path, frames: Sequence[int]) -> Callable[[int], Image]:
 
 
 def display_of(record: Record) -> Display:
-    """How the run's sequence says that radiance is shown."""
+    """How the run's sequence says that radiance is shown. Raises RunError for a view that no configuration has."""
     table = dict(record.sequence.get("display", {}))
     bloom = Bloom(**table.pop("bloom", {}))
-    return Display(**table, bloom=bloom, seed=record.sequence["seed"])
+    try:
+        return Display(**table, bloom=bloom, seed=record.sequence["seed"])
+    except ValueError as error:
+        raise RunError(f"{record.sequence['name']}: display: {error}") from error
 
 
 def check_complete(run: Path, names: Iterable[str], frames: Iterable[int]) -> None:
