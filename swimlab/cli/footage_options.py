@@ -10,6 +10,7 @@ from metrics import Display
 from swimlab.footage.convention import PRESETS, Convention, Preset
 from swimlab.footage.jitter import Side
 from swimlab.footage.request import Request
+from swimlab.footage.shot import check_build
 from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.runs.frames import FrameError
 
@@ -29,6 +30,12 @@ class Footage:
     ----------
     test:
         Frames to measure: a pattern with ####, %04d or 1-48x2####, a folder, or a video.
+    name:
+        What to call the build that is measured.
+    build:
+        NAME=PATTERN, several times: builds to compare, in place of --test and --name.
+    sequence:
+        What to call the sequence (default: as the files are called).
     reference:
         What they should look like, frame by frame.
     motion:
@@ -99,6 +106,9 @@ class Footage:
     """
 
     test: str | None = None
+    name: str = "test"
+    build: Annotated[tuple[str, ...], Parameter(negative="")] = ()
+    sequence: str | None = None
     reference: str | None = None
     motion: Annotated[str | None, Hyphens] = None
     fps: float | None = None
@@ -132,15 +142,29 @@ class Footage:
     tone_map: Literal["none", "reinhard", "aces"] | None = None
     display: str | None = None
 
-    def request(self, domain: Literal["linear", "display"]) -> Request:
-        """What to measure. Raises FrameError for an option that cannot be read."""
+    def requests(self, domain: Literal["linear", "display"]) -> dict[str, Request]:
+        """What to measure of each build. Raises FrameError for an option that cannot be read."""
+        if not self.build:
+            return {_checked("--name", self.name): self._request(self.test, domain)}
+        if self.test is not None or self.name != "test":
+            raise FrameError("--build: names all builds; give --build NAME=PATTERN in place of --test and --name")
+        found: dict[str, Request] = {}
+        for text in self.build:
+            name, _, pattern = text.partition("=")
+            if not pattern:
+                raise FrameError(f"--build {text}: give NAME=PATTERN, as main=main/f.####.exr")
+            if name in found:
+                raise FrameError(f"--build {text}: there is a build {name} already; name each build once")
+            found[_checked("--build", name)] = self._request(pattern, domain)
+        return found
 
+    def _request(self, test: str | None, domain: Literal["linear", "display"]) -> Request:
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
-        if self.test is None:
+        if test is None:
             raise FrameError("--test: is missing; name the frames to measure, or a run folder")
         return Request(
-            test=self.test,
+            test=test,
             reference=self.reference,
             motion=self.motion,
             mask=self.mask,
@@ -202,6 +226,13 @@ class Footage:
             scale=preset.scale if self.motion_scale is None else _scale(self.motion_scale),
             offset=preset.offset if self.motion_offset is None else _pair("--motion-offset", self.motion_offset),
         )
+
+
+def _checked(option: str, name: str) -> str:
+    try:
+        return check_build(name)
+    except ValueError as error:
+        raise FrameError(f"{option}: {error}") from error
 
 
 def _check_positive(option: str, value: float | None) -> None:

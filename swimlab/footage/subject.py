@@ -1,6 +1,7 @@
 """What is measured: opened frames, which of them are good, where they are covered, and how they move."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from swimlab.footage.check.jitter import estimate_jitter
 from swimlab.footage.check.picture import write_region
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.check.verdict import Verification
+from swimlab.footage.depth import Depth
 from swimlab.footage.header import LOSSY
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
@@ -18,7 +20,7 @@ from swimlab.footage.pattern import frame_range, parse_pattern
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import curve_between, open_reference
 from swimlab.footage.request import ESTIMATE, Request
-from swimlab.footage.source import Mask, Source
+from swimlab.footage.source import Look, Mask, Source
 from swimlab.footage.verify import verify
 from swimlab.runs.frames import FrameError, Image
 
@@ -38,9 +40,12 @@ class Subject:
         warn: Callable[[str], None],
         *,
         pictures: Path | None = None,
+        like: "Subject | None" = None,
     ) -> None:
         """say, warn: called with what a reader of the scores should know, and with what may make them wrong.
 
+        like: another build of the same shot, of the same reference, motion and mask: what is known of it is not found
+        again.
         pictures: folder for a picture of where the motion does not fit, which is written before anything is raised.
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
@@ -62,6 +67,10 @@ class Subject:
         if request.mask is not None:
             self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
             self._match(self.mask.reader, "mask", still=True)
+        self.depth = None
+        if request.depth is not None:
+            self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
+            self._match(self.depth.reader, "depth")
         self._warn_of_loss()
         for source in filter(None, (self.test, self.reference)):
             source.measured = self._stated_coverage()
@@ -69,15 +78,38 @@ class Subject:
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
         self._check_measured()
+        self.like = like if like is not None and self._moves_as(like) else self
+        """The first build whose motion, coverage and reference are this one's."""
+        if self.like is self:
+            self._find_motion(pictures)
+        else:
+            self._take_motion(self.like)
+        self._compare_curves()
+
+    def _find_motion(self, pictures: Path | None) -> None:
+        noted = len(self.notes)
         moving = open_motion(
-            request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=say
+            self.request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=self._say
         )
         self.motion_kind, self.motion, self.motion_size = moving
-        if request.motion_jitter == ESTIMATE:
+        if self.request.motion_jitter == ESTIMATE:
             self.motion = self._without_estimated_jitter()
         self.checked = self._verify(pictures)
         """How well the motion fits the frames."""
-        self._compare_curves()
+        self._of_motion = self.notes[noted:]
+
+    def _take_motion(self, other: "Subject") -> None:
+        self.motion_kind, self.motion, self.motion_size = other.motion_kind, other.motion, other.motion_size
+        self.checked = other.checked
+        self.notes += other._of_motion
+
+    def _moves_as(self, other: "Subject") -> bool:
+        """Whether motion, coverage and reference are those of another build: no part of them is of the tests."""
+        if self.reference is None or other.reference is None or self.test.has_coverage or other.test.has_coverage:
+            return False
+        mine, others = (replace(each.request, test="", look=Look()) for each in (self, other))
+        read, reads = ((each.part, each.channels, each.space, each.look) for each in (self.reference, other.reference))
+        return mine == others and read == reads and self.kept == other.kept and self.test.shape == other.test.shape
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""
@@ -103,7 +135,7 @@ class Subject:
         return self.request.fps or self.test.reader.header.fps or FPS
 
     def _clip(self, source: Source, *, moving: bool) -> Clip:
-        kept, motion = self.kept, self.motion
+        kept, motion, depth = self.kept, self.motion, self.depth
 
         def moved(t: int) -> Image:
             if t == 0:
@@ -119,6 +151,7 @@ class Subject:
             fps=self.fps,
             motion=(uniform or moved) if moving else (0.0, 0.0),
             coverage=None if coverage is None else lambda t: coverage(kept[t]),
+            depth=None if depth is None else lambda t: depth.distance(kept[t]),
             pixels_per_degree=self.request.pixels_per_degree,
             luminance=self.request.luminance,
             cuts=tuple(kept.index(cut) for cut in self.checked.cuts),
@@ -212,6 +245,7 @@ class Subject:
         problems: dict[int, str] = {}
         for source in (self.test, self.reference):
             problems = (source.problems() if source is not None else {}) | problems
+        problems |= self.depth.problems() if self.depth is not None else {}
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
             problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
         there = self._times()

@@ -13,7 +13,7 @@ from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.footage.subject import Subject
 from swimlab.notebook.scores import Scores
 from swimlab.runs.frames import FrameError
-from swimlab.scoring.footage import measure_subject
+from swimlab.scoring.footage import measure_builds
 
 Name = str | PathLike[str]
 """A pattern with #### or %04d, a folder, a file or a video."""
@@ -110,7 +110,7 @@ def measure_frames(
         luminance=luminance,
     )
     subject = Subject(request, lambda _: None, lambda _: None)
-    return Measured(measure_subject(subject, peers=peers, command="swimlab.measure_frames"))
+    return Measured(measure_builds({"test": subject}, peers=peers, command="swimlab.measure_frames"))
 
 
 def _motion(motion: Name | tuple[float, float] | None) -> str | None:
