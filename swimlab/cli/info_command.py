@@ -48,6 +48,9 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
         print(f"samples     {record.settings['samples']} a pixel of the reference")
     for name, given in record.inputs.items():
         print(f"input       {name}: {given['name']}, {len(given['files'])} files")
+    if record.inputs and (Path(what) / "scores.json").is_file():
+        print_scores_of(Path(what))
+        return 0
     for name, time in record.times.items():
         print(f"time        {name}: {time['ms_per_frame']:.1f} ms a frame")
     for key, value in record.provenance.items():

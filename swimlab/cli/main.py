@@ -19,6 +19,7 @@ COMMANDS = {
     "study": "Render the techniques and the reference, or take builds of shot files; measure and report them.",
     "render": "Render a sequence under one or several techniques into a run folder.",
     "measure": "Measure the techniques of a run folder against its reference, or frames of your own.",
+    "init-shot": "Write a shot file of the frames that a folder holds, with comments, to be gone through.",
     "report": "Write the report of run folders that have been measured.",
     "gate": "Hold the scores of runs to a gate file, for CI.",
     "compare": "Show the scores of runs side by side, or of a run against its history.",
@@ -39,7 +40,7 @@ app = App(
     help="Measure temporal aliasing and swimming: tell a stable error from a flickering one.",
 )
 for _name, _help in COMMANDS.items():
-    app.command(f"swimlab.cli.{_name}_command:{_name}_command", name=_name, help=_help)
+    app.command(f"swimlab.cli.{_name}_command:{_name}_command".replace("-", "_"), name=_name, help=_help)
 app.command(bench_command)
 
 

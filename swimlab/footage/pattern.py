@@ -69,7 +69,7 @@ def holds_frames(name: str) -> bool:
     """Whether a name is that of frames: a pattern, an image or video file, or a folder of them that is no run."""
     path = Path(name)
     if path.is_dir():
-        return not (path / "run.json").exists() and bool(_patterns(path))
+        return not (path / "run.json").exists() and bool(patterns(path))
     return parse_pattern(path) is not None or _is_frames(path)
 
 
@@ -168,14 +168,14 @@ def _refuse_part(name: str, folder: Path, pattern: Pattern, found: dict[int, str
 
 def _only_sequence(folder: Path) -> str:
     """The pattern of the one sequence, or the name of the one file, that a folder holds. Raises FrameError."""
-    patterns = _patterns(folder)
-    if len(patterns) != 1:
-        several = f"several sequences ({', '.join(patterns[:_LISTED])}); name one" if patterns else "no image files"
+    found = patterns(folder)
+    if len(found) != 1:
+        several = f"several sequences ({', '.join(found[:_LISTED])}); name one" if found else "no image files"
         raise FrameError(f"{folder}: holds {several}")
-    return str(folder / patterns[0])
+    return str(folder / found[0])
 
 
-def _patterns(folder: Path) -> list[str]:
+def patterns(folder: Path) -> list[str]:
     """File names in a folder with the last number of each as #: what sequences there are."""
     groups: dict[tuple[str, str], list[str]] = {}
     single: dict[str, None] = {}
@@ -215,5 +215,5 @@ def _others(folder: Path) -> str:
     """What else a folder holds, for an error message."""
     if not folder.is_dir():
         return f"; there is no folder {folder}"
-    patterns = _patterns(folder)
-    return f"; {folder} holds {', '.join(patterns[:_LISTED])}" if patterns else f"; {folder} holds no image files"
+    found = patterns(folder)
+    return f"; {folder} holds {', '.join(found[:_LISTED])}" if found else f"; {folder} holds no image files"

@@ -68,6 +68,8 @@ class BroughtPictures:
     def _source(self, technique: str) -> Source:
         """The frames of a build or of the reference; each has its own reader."""
         if technique not in self._opened:
+            if technique not in self._inputs:
+                raise FrameError(f"there is no {technique}")
             check_unchanged(technique, self._inputs[technique])
             name = next(iter(self._requests)) if technique == REFERENCE else technique
             request = self._requests[name]

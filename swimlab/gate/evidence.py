@@ -53,10 +53,7 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
         own = "settings" in entry.provenance
         why = "your own frames are not in a run folder" if own else "no run folder lies beside the scores"
         return Evidence(frame, lacking=why)
-    record = Record.read(entry.folder)
-    if REFERENCE not in record.techniques:
-        return Evidence(frame, lacking="there is no reference")
-    pictures = open_pictures(entry.folder, record)
+    pictures = open_pictures(entry.folder, Record.read(entry.folder))
     try:
         test, reference = (pictures.read(name, frame) for name in (entry.technique, REFERENCE))
     except FrameError as error:

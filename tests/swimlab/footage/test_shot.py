@@ -1,0 +1,202 @@
+"""Shot files and the run folders that are made of them, as a user types them."""
+
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from sequences import SequenceError
+from swimlab.footage.shot import is_shot, load_shot
+from swimlab.notebook.study import open_run
+from swimlab.runs.frames import write_channels
+
+WIDTH, HEIGHT, COUNT = 64, 64, 6
+SHOT = """
+version = 1
+name = "corridor"
+fps = 30
+[reference]
+frames = "ref/f.####.exr"
+[motion]
+velocity = [-1.25, 0.625]
+[builds.glued]
+frames = "glued/f.####.exr"
+[builds.blink]
+frames = "blink/f.####.exr"
+"""
+
+
+def waves(t, seed):
+    """[H, W, 3]: a band-limited picture that has moved by (-1.25, 0.625) px a frame."""
+    random = np.random.default_rng(seed)
+    y, x = np.indices((HEIGHT, WIDTH)) + 0.5
+    kx, ky = random.uniform(-0.2, 0.2, (2, 16))
+    angle = 2 * np.pi * ((x + 1.25 * t)[..., None] * kx + (y - 0.625 * t)[..., None] * ky) + random.uniform(0, 6, 16)
+    return np.repeat(np.cos(angle).sum(axis=2)[..., None] * np.sqrt(2 / 16), 3, axis=2)
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("shot")
+    for t in range(COUNT):
+        true, error = 3 + waves(t, 1), 0.1 * waves(t, 2)
+        for name, pixels in {"ref": true, "glued": true + error, "blink": true + (-1) ** t * error}.items():
+            path = folder / name / f"f.{t:04d}.exr"
+            write_channels(path, pixels.astype(np.float32) / 8, ("R", "G", "B"), half=False, metadata={})
+    (folder / "shot.toml").write_text(SHOT, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def shot(frames, tmp_path):
+    """A folder of one's own with the frames and the shot file."""
+    return shutil.copytree(frames, tmp_path / "shot")
+
+
+@pytest.fixture
+def run(swimlab, shot):
+    code, _, err = swimlab("study", shot / "shot.toml", "-o", shot / "run", "-q")
+    assert code == 0, err
+    return shot / "run"
+
+
+def entries(run):
+    content = json.loads((run / "scores.json").read_text(encoding="utf-8"))
+    return {entry["technique"]: entry for entry in content["sequences"]}
+
+
+def test_every_mistake_is_told_at_once_with_its_key_and_a_hint(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text(
+        'version = 1\nname = "a b"\nframes = "7-q"\n[reference]\nframse = "x"\n[motion]\nvelocity = [1.0, 2.0]\n'
+        'estimate = true\n[builds.reference]\nframes = "x"\n[builds.b]\nframes = "y"\ncolourspace = "srgb"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(SequenceError) as caught:
+        load_shot(path)
+    said = str(caught.value)
+    for part in (
+        "name: ",
+        "frames: frames: 7-q is no range",
+        "reference.framse: unknown key (did you mean 'frames'?",
+        "motion: give one of frames, velocity and estimate = true, not velocity and estimate",
+        "builds.reference: 'reference' is what a run calls a part of its own",
+        "builds.b.colourspace: unknown key (did you mean 'colorspace'?",
+    ):
+        assert part in said
+    assert all(line.startswith(f"{path}: ") for line in said.splitlines())
+
+
+def test_a_sequence_file_is_no_shot_file(tmp_path):
+    path = tmp_path / "road.toml"
+    path.write_text('version = 1\nname = "road"\n[motion]\nkind = "shift"\n', encoding="utf-8")
+    assert not is_shot(path)
+    assert not is_shot("road-shift")
+
+
+def test_builds_measured_together_score_as_each_alone(swimlab, shot, run):
+    together = entries(run)
+    for name in ("glued", "blink"):
+        words = ("--test", shot / name, "--name", name, "--reference", shot / "ref", "--motion=-1.25,0.625")
+        code, out, err = swimlab("measure", *words, "--fps", "30", "--sequence", "corridor", "--json", "-q")
+        assert code == 0, err
+        content = json.loads(out)
+        alone = content["sequences"][0]
+        for key in ("scores", "errors", "frames", "sequence", "technique", "motion_check"):
+            assert together[name][key] == alone[key]
+        assert together[name]["hash"] == content["provenance"]["hash"]
+
+
+def test_the_run_folder_serves_every_command(swimlab, shot, run):
+    for words in (("report", run), ("info", run), ("compare", run, run), ("measure", run, "-q")):
+        code, _, err = swimlab(*words)
+        assert code == 0, err
+    page = (run / "report.html").read_text(encoding="utf-8")
+    assert all(name in page for name in ("corridor", "glued", "blink"))
+    gate = shot / "gate.toml"
+    rule = '[[rule]]\nmetric = "budget.flicker"\n'
+    gate.write_text(f'version = 1\n[baseline]\nfile = "base.json"\n{rule}max_increase = "5%"\n', encoding="utf-8")
+    assert swimlab("baseline", "update", gate, run)[0] == 0
+    assert swimlab("gate", gate, run)[0] == 0
+    gate.write_text(f"version = 1\n{rule}max = 1e-6\n", encoding="utf-8")
+    assert swimlab("gate", gate, run)[0] == 1
+    assert [path.name for path in (run / "gate").iterdir()] == ["corridor-blink-budget.flicker.png"]
+
+
+def test_the_short_form_writes_the_same_folder(swimlab, shot, run):
+    words = ["--build", f"glued={shot / 'glued'}", "--build", f"blink={shot / 'blink'}", "--reference", shot / "ref"]
+    words += ["--motion=-1.25,0.625", "--fps", "30", "--sequence", "corridor", "-o", shot / "short", "-q"]
+    code, _, err = swimlab("measure", *words)
+    assert code == 0, err
+    assert {n: e["scores"] for n, e in entries(shot / "short").items()} == {
+        n: e["scores"] for n, e in entries(run).items()
+    }
+    assert swimlab("report", shot / "short")[0] == 0
+
+
+def test_sources_that_moved_or_changed_are_told_by_name(swimlab, shot, run):
+    moved = shot / "blink" / "f.0003.exr"
+    kept = moved.read_bytes()
+    moved.unlink()
+    code, _, err = swimlab("report", run)
+    assert code == 2
+    assert f"{moved}: is gone since it was measured (blink)" in err
+    moved.write_bytes(kept)
+    os.utime(moved, ns=(1, 1))  # the same bytes at another time are the same
+    assert swimlab("report", run)[0] == 0
+    moved.write_bytes(kept[:-1] + bytes([kept[-1] ^ 1]))
+    code, _, err = swimlab("report", run)
+    assert (code, f"{moved}: has changed" in err) == (2, True)
+
+
+def test_without_a_reference_the_report_shows_what_it_can(swimlab, shot):
+    path = shot / "bare.toml"
+    path.write_text(SHOT.replace('[reference]\nframes = "ref/f.####.exr"\n', ""), encoding="utf-8")
+    code, _, err = swimlab("study", path, "-t", "blink", "-o", shot / "bare", "-q")
+    assert code == 0, err
+    assert list(entries(shot / "bare")) == ["blink"]
+    assert (shot / "bare" / "report.html").is_file()
+
+
+def test_notebooks_open_it(shot, run):
+    opened = open_run(run)
+    assert opened.techniques == ("blink", "glued", "reference")
+    assert opened.frame("glued").shape == (HEIGHT, WIDTH, 4)
+    clip, exact = opened.clip("glued"), opened.clip("reference")
+    assert clip.motion == exact.motion == (-1.25, 0.625)
+    assert np.array_equal(exact.frame(2), opened.frame("reference", 2)[..., :3])
+
+
+def test_a_gate_fixture_measures_a_shot(shot, swimlab_gate):
+    gate = shot / "gate.toml"
+    gate.write_text('version = 1\n[[rule]]\nmetric = "budget.flicker"\nmax = 1e-6\n', encoding="utf-8")
+    assert swimlab_gate(shot / "shot.toml", gate, techniques=["glued"]).exit_code == 0
+
+
+def test_a_rendered_run_is_not_written_over(swimlab, shot):
+    (shot / "road").mkdir()
+    record = {"sequence": {}, "settings": {}, "hash": "", "uniform_velocity": None, "resizes": False, "provenance": {}}
+    (shot / "road" / "run.json").write_text(json.dumps({"version": 1, **record}), encoding="utf-8")
+    code, _, err = swimlab("study", shot / "shot.toml", "-o", shot / "road")
+    assert (code, "holds a rendered run" in err) == (2, True)
+    code, _, err = swimlab("study", shot / "shot.toml", "--size", "64x64", "-o", shot / "run")
+    assert (code, "--size: renders" in err) == (2, True)
+
+
+def test_a_drafted_shot_file_is_measured_as_it_is(swimlab, shot):
+    (shot / "shot.toml").unlink()
+    assert swimlab("init-shot", shot)[0] == 0
+    drafted = load_shot(shot / "shot.toml")
+    assert (sorted(drafted.builds), drafted.name) == (["blink", "glued"], "shot")
+    assert drafted.reference is not None
+    assert drafted.reference.frames == "ref/f.####.exr"
+    code, _, err = swimlab("init-shot", shot)
+    assert (code, "is there already" in err) == (2, True)
+
+
+def test_the_schema_has_shot_files(swimlab):
+    code, out, _ = swimlab("schema", "shot")
+    assert code == 0
+    assert set(json.loads(out)["required"]) == {"version", "name", "builds"}
