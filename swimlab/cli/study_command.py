@@ -4,7 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -19,6 +19,7 @@ from swimlab.footage.shot import is_shot, load_shot
 from swimlab.report.contact import write_contact_sheet
 from swimlab.report.page import write_report
 from swimlab.runs.files import write_json
+from swimlab.runs.frames import FrameError
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import merge_scores
 
@@ -74,7 +75,7 @@ def study_command(
         if name in plans:
             render_with_progress(plans[name], run, rendering)
     all_scores = [
-        measure_brought_with_progress(asked[name], run, titles[name], quiet=rendering.quiet)
+        _measure_shot(name, asked[name], run, titles[name], quiet=rendering.quiet)
         if name in shots
         else measure_with_progress(run, domain, quiet=rendering.quiet)
         for name, run in zip(titles, folders, strict=True)
@@ -93,6 +94,15 @@ def study_command(
     print_scores(all_scores)
     print(output / "report.html")
     return 0
+
+
+def _measure_shot(name: str, requests: Mapping[str, Request], run: Path, title: str, *, quiet: bool) -> dict[str, Any]:
+    """Measure the builds of a shot file. Raises FrameError naming the file, and where what options say stands in it."""
+    try:
+        return measure_brought_with_progress(requests, run, title, quiet=quiet)
+    except FrameError as error:
+        keys = "; here options are keys: --motion-unverified is unverified = true under [motion]"
+        raise FrameError(f"{name}: {error}{keys if '--' in str(error) else ''}") from error
 
 
 def chosen_builds(text: str | None, requests: Mapping[str, Request]) -> dict[str, Request]:

@@ -50,9 +50,17 @@ def merge_scores(all_scores: list[dict[str, Any]]) -> dict[str, Any]:
     """One scores.json content over several runs, with the first one's provenance and every run's hash."""
     provenance = dict(all_scores[0]["provenance"])
     provenance.pop("rendering", None)
+    provenance.pop("settings", None)
     provenance["hash"] = ", ".join(scores["provenance"]["hash"] for scores in all_scores)
-    entries = [entry for scores in all_scores for entry in scores["sequences"]]
+    entries = [entry for scores in all_scores for entry in _with_settings(scores)]
     return {"version": VERSION, "provenance": provenance, "sequences": entries}
+
+
+def _with_settings(scores: dict[str, Any]) -> list[dict[str, Any]]:
+    """The entries of a file of scores, with the settings of brought frames, which are not those of other runs."""
+    about = scores["provenance"]
+    own = {key: about[key] for key in ("hash", "settings")} if "settings" in about else {}
+    return [own | entry for entry in scores["sequences"]]
 
 
 def write_scores(
