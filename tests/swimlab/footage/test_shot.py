@@ -200,3 +200,28 @@ def test_the_schema_has_shot_files(swimlab):
     code, out, _ = swimlab("schema", "shot")
     assert code == 0
     assert set(json.loads(out)["required"]) == {"version", "name", "builds"}
+
+
+def test_depth_splits_scores_into_bands(swimlab, shot):
+    """Where all is far, the far band's score is the whole score."""
+    far = np.full((HEIGHT, WIDTH, 1), 100, np.float32)
+    for t in range(COUNT):
+        write_channels(shot / "depth" / f"z.{t:04d}.exr", far, ("Z",), half=False, metadata={})
+    path = shot / "deep.toml"
+    path.write_text(SHOT + '[depth]\nframes = "depth"\n', encoding="utf-8")
+    code, _, err = swimlab("study", path, "-t", "blink", "-o", shot / "deep", "-q")
+    assert code == 0, err
+    scores = entries(shot / "deep")["blink"]["scores"]
+    assert scores["budget.flicker.far"] == scores["budget.flicker"] > 0
+
+
+def test_a_study_of_two_shots_keeps_each_ones_settings(swimlab, shot):
+    other = shot / "other.toml"
+    other.write_text(SHOT.replace("corridor", "hall").replace("fps = 30", "fps = 24"), encoding="utf-8")
+    code, _, err = swimlab("study", shot / "shot.toml", other, "-t", "glued", "-o", shot / "both", "-q")
+    assert code == 0, err
+    content = json.loads((shot / "both" / "scores.json").read_text(encoding="utf-8"))
+    kept = [(entry["sequence"], entry["settings"]["fps"]) for entry in content["sequences"]]
+    assert kept == [("corridor", 30), ("hall", 24)]
+    assert swimlab("compare", shot / "both", shot / "both")[0] == 0
+    assert swimlab("study", shot / "shot.toml", "-t", "none")[0] == 2
