@@ -1,7 +1,6 @@
 """The examples of `reports/engines`, loaded from their scripts."""
 
 import importlib.util
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -20,8 +19,9 @@ def example() -> Callable[[str], ModuleType]:
         assert spec
         assert spec.loader
         module = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = module
-        spec.loader.exec_module(module)
+        with pytest.MonkeyPatch.context() as patch:  # as Python does it where a script is run
+            patch.syspath_prepend(ENGINES / name)
+            spec.loader.exec_module(module)
         return module
 
     return load
