@@ -6,6 +6,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics import ocio
 from metrics.bloom import Bloom
 
 Domain = Literal["linear", "display"]
@@ -14,6 +15,8 @@ Gamma = Literal["srgb", "sqrt"]
 
 BRIGHTEST = 1e30
 """Radiance above this is taken as this: sums and squares of it stay finite."""
+BRIGHTEST_IN_VIEWS = 65504.0
+"""The same for views of OpenColorIO, which reckon with halves."""
 
 
 def encode(radiance: NDArray[Any]) -> NDArray[np.float64]:
@@ -48,16 +51,17 @@ class Display:
     """How radiance is shown, in this order; as it stands, sRGB codes of radiance clamped to 0..1.
 
     exposure: stops, at most 20 either way. bloom: of exposed light. tone_map: "none" clamps. gamma: "srgb", or "sqrt",
-    the square root that games took for it. bits: codes are multiples of 1/(2^bits - 1), 1..16; None: not quantised.
-    dither: adds an even noise of one code before quantising, which makes the mean exact (Roberts 1962, Picture Coding
-    Using Pseudo-Random Noise). seed: of that noise, 0..2^32 - 1.
-    Raises ValueError for values out of range.
+    the square root that games took for it. view: "DISPLAY/VIEW" of OpenColorIO's configuration, in place of both.
+    bits: codes are multiples of 1/(2^bits - 1), 1..16; None: not quantised. dither: adds an even noise of one code
+    before quantising, which makes the mean exact (Roberts 1962, Picture Coding Using Pseudo-Random Noise). seed: of
+    that noise, 0..2^32 - 1. Raises ValueError for values out of range, and for a view that no configuration has.
     """
 
     exposure: float = 0.0
     bloom: Bloom = field(default=Bloom())
     tone_map: ToneMap = "none"
     gamma: Gamma = "srgb"
+    view: str | None = None
     bits: int | None = None
     dither: bool = False
     seed: int = 0
@@ -66,6 +70,10 @@ class Display:
         for key, choices in (("tone_map", get_args(ToneMap)), ("gamma", get_args(Gamma))):
             if getattr(self, key) not in choices:
                 raise ValueError(f"{key} is {getattr(self, key)!r}; choose one of {', '.join(choices)}")
+        if self.view is not None:
+            if (self.tone_map, self.gamma) != ("none", "srgb"):
+                raise ValueError("view has a tone map and a gamma of its own; leave out tone_map and gamma")
+            ocio.find_view(self.view)
         if not abs(self.exposure) <= 20:
             raise ValueError(f"exposure is {self.exposure}; give stops, -20 to 20")
         if self.bits is not None and not 1 <= self.bits <= 16:
@@ -74,12 +82,20 @@ class Display:
             raise ValueError("dither is for quantised codes; give bits too")
 
     def curve(self, radiance: NDArray[Any]) -> NDArray[np.float64]:
-        """Codes in 0..1 of radiance of any shape, without what depends on a pixel's neighbours, place or time."""
-        return self._encoded(self._exposed(radiance))
+        """Codes in 0..1 of radiance of any shape, without what depends on a pixel's neighbours, place or time.
+
+        With a view [..., 3], or [..., 1] for grey; the codes are [..., 3].
+        """
+        light = self._exposed(radiance)
+        return self._encoded(light) if self.view is None else self._viewed(light, self.view)
 
     def show(self, radiance: NDArray[Any], frame: int = 0) -> NDArray[np.float64]:
         """Codes in 0..1 of the radiance of a whole frame, [3, H, W]; dither differs from frame to frame."""
-        codes = self._encoded(self.bloom.spread(self._exposed(radiance)))
+        light = self.bloom.spread(self._exposed(radiance))
+        if self.view is None:
+            codes = self._encoded(light)
+        else:
+            codes = np.ascontiguousarray(np.moveaxis(self._viewed(np.moveaxis(light, 0, -1), self.view), -1, 0))
         if self.bits is None:
             return codes
         steps = 2**self.bits - 1
@@ -90,6 +106,13 @@ class Display:
     def _exposed(self, radiance: NDArray[Any]) -> NDArray[np.float64]:
         light = np.clip(np.asarray(radiance, dtype=np.float64), 0.0, BRIGHTEST)
         return np.asarray(light * 2.0**self.exposure)
+
+    @staticmethod
+    def _viewed(light: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+        """Codes [..., 3] of light [..., 3] or [..., 1] under a view; light is held at what halves can hold."""
+        colours = np.broadcast_to(np.minimum(light, BRIGHTEST_IN_VIEWS), (*light.shape[:-1], 3))
+        codes = ocio.show(colours.reshape(1, -1, 3), ocio.find_view(name))
+        return np.clip(codes.astype(np.float64), 0.0, 1.0).reshape(colours.shape)
 
     def _encoded(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         if self.tone_map == "reinhard":

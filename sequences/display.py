@@ -20,7 +20,10 @@ class Bloom(Table):
 
 
 class Display(Table):
-    """Exposure, bloom, tone map, gamma and quantisation, in this order. It changes no pixel of a rendered frame."""
+    """Exposure, bloom, tone map and gamma (or a view), and quantisation, in this order.
+
+    It changes no pixel of a rendered frame.
+    """
 
     exposure: Real = Field(0.0, ge=-20, le=20, description="stops (-20..20); one more is twice as bright")
     bloom: Bloom = Field(default=Bloom(), description="what bright light does to its neighbourhood")
@@ -28,8 +31,20 @@ class Display(Table):
         "none", description="how bright light is brought under 1: clamped (none), by reinhard, or by a fit of aces"
     )
     gamma: Literal["srgb", "sqrt"] = Field("srgb", description="from light to codes: sRGB's curve, or the square root")
+    view: str | None = Field(
+        None,
+        pattern="^[^/]+/.+$",
+        description="DISPLAY/VIEW of OpenColorIO's configuration, in place of tone_map and gamma (swimlab list views)",
+    )
     bits: Bits | None = Field(None, description="bits of a code (1..16); without this key codes are not quantised")
     dither: bool = Field(False, strict=True, description="add a noise of one code before quantising; needs bits")
+
+    @field_validator("view")
+    @classmethod
+    def _alone(cls, value: str | None, info: ValidationInfo) -> str | None:
+        if value is not None and (info.data.get("tone_map"), info.data.get("gamma")) != ("none", "srgb"):
+            raise ValueError("a view has a tone map and a gamma of its own: remove tone_map and gamma, or this key")
+        return value
 
     @field_validator("dither")
     @classmethod

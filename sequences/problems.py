@@ -3,7 +3,7 @@
 import difflib
 import reprlib
 from collections.abc import Iterable
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -64,17 +64,28 @@ def _locate(model: type[BaseModel], place: Iterable[int | str]) -> tuple[str, Fi
     field: FieldInfo | None = None
     keys: list[str] = []
     for key in place:
+        if key == "[key]":  # the name of a table is what is wrong
+            break
         if key in (variants := _variants(kind)):
             kind = variants[str(key)]
             continue
         path.append(str(key))
+        kind = _table_of(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             fields = {each.alias or name: each for name, each in kind.model_fields.items()}
             keys, field = list(fields), fields.get(str(key))
             kind = field.annotation if field else None
+        elif get_origin(kind) is dict:
+            kind = get_args(kind)[1]
         elif isinstance(key, int):
             kind = next(iter(get_args(kind)), None)
     return ".".join(path), field, keys
+
+
+def _table_of(kind: Any) -> Any:
+    """The table of one that may be left out (`Table | None`); anything else as it is."""
+    tables = [each for each in get_args(kind) if isinstance(each, type) and issubclass(each, BaseModel)]
+    return tables[0] if len(tables) == 1 and type(None) in get_args(kind) else kind
 
 
 def _variants(kind: Any) -> dict[str, type[BaseModel]]:

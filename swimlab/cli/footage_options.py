@@ -10,7 +10,8 @@ from metrics import Display
 from swimlab.footage.convention import PRESETS, Convention, Preset
 from swimlab.footage.jitter import Side
 from swimlab.footage.request import Request
-from swimlab.footage.source import Box, Look
+from swimlab.footage.shot import check_build
+from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.runs.frames import FrameError
 
 Hyphens = Parameter(allow_leading_hyphen=True)
@@ -29,6 +30,12 @@ class Footage:
     ----------
     test:
         Frames to measure: a pattern with ####, %04d or 1-48x2####, a folder, or a video.
+    name:
+        What to call the build that is measured.
+    build:
+        NAME=PATTERN, several times: builds to compare, in place of --test and --name.
+    sequence:
+        What to call the sequence (default: as the files are called).
     reference:
         What they should look like, frame by frame.
     motion:
@@ -40,9 +47,20 @@ class Footage:
     channels:
         Three channels with commas, one channel, or a layer's name (default: R,G,B).
     colorspace:
-        Colour space of the files; auto: floats linear, integers as their metadata says, else 8 bit sRGB, 16 bit linear.
+        Colour space of the files: linear, srgb, or a name of OpenColorIO's configuration (swimlab list colorspaces);
+        auto: as their metadata says; without a word floats are linear, 8 bit sRGB, 16 bit linear.
     alpha:
-        Ignore alpha, measure only pixels of alpha 1, or divide premultiplied colours by it.
+        Ignore alpha (default), measure only pixels of alpha 1, or divide premultiplied colours by it.
+    part:
+        Part of the files to look into, by name, view (left) or index.
+    reference_channels:
+        As --channels, of the reference; without these four, what its own files say counts, then the test's options.
+    reference_colorspace:
+        As --colorspace, of the reference.
+    reference_alpha:
+        As --alpha, of the reference.
+    reference_part:
+        As --part, of the reference.
     mask:
         Picture, or one a frame: measured where its first channel is above 0.5.
     crop:
@@ -51,6 +69,8 @@ class Footage:
         What motion vectors mean (swimlab list conventions); the options below change single points of it.
     motion_channels:
         Their two channels, x,y.
+    motion_part:
+        As --part, of the files of motion vectors.
     motion_unit:
         Pixels, a picture 2 wide and high (ndc), or 1 wide and high (uv).
     motion_direction:
@@ -80,20 +100,32 @@ class Footage:
         Stops by which frames are brightened for the display domain (default: 0).
     tone_map:
         How bright light is brought under 1 for the display domain (default: none, it is clamped).
+    display:
+        DISPLAY/VIEW of OpenColorIO's configuration that the display domain sees, instead of --tone-map (swimlab list
+        views).
     """
 
     test: str | None = None
+    name: str = "test"
+    build: Annotated[tuple[str, ...], Parameter(negative="")] = ()
+    sequence: str | None = None
     reference: str | None = None
     motion: Annotated[str | None, Hyphens] = None
     fps: float | None = None
     range_of_frames: Annotated[str | None, Parameter(name="--frames")] = None
     channels: str | None = None
-    colorspace: Literal["auto", "linear", "srgb"] = "auto"
-    alpha: Literal["ignore", "mask", "unpremultiply"] = "ignore"
+    colorspace: str | None = None
+    alpha: AlphaUse | None = None
+    part: str | None = None
+    reference_channels: str | None = None
+    reference_colorspace: str | None = None
+    reference_alpha: AlphaUse | None = None
+    reference_part: str | None = None
     mask: str | None = None
     crop: Annotated[str | None, Hyphens] = None
     motion_convention: Preset = "own"
     motion_channels: str | None = None
+    motion_part: str | None = None
     motion_unit: Literal["px", "ndc", "uv"] | None = None
     motion_direction: Literal["backward", "forward"] | None = None
     motion_y: Literal["down", "up"] | None = None
@@ -108,22 +140,39 @@ class Footage:
     luminance: float | None = None
     exposure: Annotated[float | None, Hyphens] = None
     tone_map: Literal["none", "reinhard", "aces"] | None = None
+    display: str | None = None
 
-    def request(self, domain: Literal["linear", "display"]) -> Request:
-        """What to measure. Raises FrameError for an option that cannot be read."""
+    def requests(self, domain: Literal["linear", "display"]) -> dict[str, Request]:
+        """What to measure of each build. Raises FrameError for an option that cannot be read."""
+        if not self.build:
+            return {_checked("--name", self.name): self._request(self.test, domain)}
+        if self.test is not None or self.name != "test":
+            raise FrameError("--build: names all builds; give --build NAME=PATTERN in place of --test and --name")
+        found: dict[str, Request] = {}
+        for text in self.build:
+            name, _, pattern = text.partition("=")
+            if not pattern:
+                raise FrameError(f"--build {text}: give NAME=PATTERN, as main=main/f.####.exr")
+            if name in found:
+                raise FrameError(f"--build {text}: there is a build {name} already; name each build once")
+            found[_checked("--build", name)] = self._request(pattern, domain)
+        return found
 
+    def _request(self, test: str | None, domain: Literal["linear", "display"]) -> Request:
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
-        if self.test is None:
+        if test is None:
             raise FrameError("--test: is missing; name the frames to measure, or a run folder")
         return Request(
-            test=self.test,
+            test=test,
             reference=self.reference,
             motion=self.motion,
             mask=self.mask,
             fps=self.fps,
             frames=self.range_of_frames,
-            look=Look(channels=self.channels, colour_space=self.colorspace, alpha=self.alpha, crop=_crop(self.crop)),
+            look=Look(self.channels, self.colorspace, self.alpha, self.part, _crop(self.crop)),
+            reference_look=self._reference_look(),
+            motion_part=self.motion_part,
             convention=self._convention(),
             motion_mask=self.motion_mask,
             motion_jitter=self.motion_jitter,
@@ -136,6 +185,13 @@ class Footage:
             luminance=viewing.get("luminance"),
         )
 
+    def _reference_look(self) -> Look:
+        options = {name: getattr(self, f"reference_{name}") for name in ("channels", "colorspace", "alpha", "part")}
+        given = [f"--reference-{name} {value}" for name, value in options.items() if value is not None]
+        if self.reference is None and given:
+            raise FrameError(f"{given[0]}: is for a reference; give --reference, or leave it out")
+        return Look(*options.values())
+
     def viewing(self) -> dict[str, float]:
         """What is given of pixels_per_degree and luminance. Raises FrameError where one is not above 0."""
         given = {name: getattr(self, name) for name in VIEWING}
@@ -144,13 +200,14 @@ class Footage:
         return {name: value for name, value in given.items() if value is not None}
 
     def _display(self, domain: Literal["linear", "display"]) -> Display:
-        for option, value in (("--exposure", self.exposure), ("--tone-map", self.tone_map)):
+        options = (("--exposure", self.exposure), ("--tone-map", self.tone_map), ("--display", self.display))
+        for option, value in options:
             if value is not None and domain != "display":
                 raise FrameError(f"{option} {value}: is for --domain display")
         try:
-            return Display(exposure=self.exposure or 0.0, tone_map=self.tone_map or "none")
+            return Display(exposure=self.exposure or 0.0, tone_map=self.tone_map or "none", view=self.display)
         except ValueError as error:
-            raise FrameError(f"--exposure: {error}") from error
+            raise FrameError(f"{'--exposure' if self.display is None else '--display'}: {error}") from error
 
     def _convention(self) -> Convention:
         preset = PRESETS[self.motion_convention]
@@ -169,6 +226,13 @@ class Footage:
             scale=preset.scale if self.motion_scale is None else _scale(self.motion_scale),
             offset=preset.offset if self.motion_offset is None else _pair("--motion-offset", self.motion_offset),
         )
+
+
+def _checked(option: str, name: str) -> str:
+    try:
+        return check_build(name)
+    except ValueError as error:
+        raise FrameError(f"{option}: {error}") from error
 
 
 def _check_positive(option: str, value: float | None) -> None:

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 
 from swimlab.footage.describe import describe
 from swimlab.footage.pattern import holds_frames
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.render.plan import load_sequence
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record
@@ -43,7 +44,10 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     print(f"hash        {record.hash}")
     print(f"techniques  {', '.join(record.techniques) or 'none yet'}")
     print(f"frames      {len(record.frames)} of {record.sequence['frames']}")
-    print(f"samples     {record.settings['samples']} a pixel of the reference")
+    if "samples" in record.settings:
+        print(f"samples     {record.settings['samples']} a pixel of the reference")
+    for name, given in record.inputs.items():
+        print(f"input       {name}: {given['name']}, {len(given['files'])} files")
     for name, time in record.times.items():
         print(f"time        {name}: {time['ms_per_frame']:.1f} ms a frame")
     for key, value in record.provenance.items():
@@ -59,7 +63,7 @@ def _as_json(what: str) -> dict[str, Any]:
     if _holds_scores(Path(what)):
         return read_scores(Path(what))
     if not Path(what).is_dir():
-        return load_sequence(what).model_dump(mode="json")
+        return _described(what)
     return {**vars(Record.read(Path(what))), "measured": (Path(what) / "scores.json").is_file()}
 
 
@@ -110,4 +114,11 @@ def print_sequence(name: str) -> None:
             elif value is not None:
                 print(f"{prefix}{key} = {json.dumps(value)}")
 
-    walk(load_sequence(name).model_dump(mode="json"), "")
+    walk(_described(name), "")
+
+
+def _described(name: str) -> dict[str, Any]:
+    """A sequence or shot file with every default filled in."""
+    if is_shot(name):
+        return load_shot(Path(name)).model_dump(mode="json", exclude_none=True)
+    return load_sequence(name).model_dump(mode="json")

@@ -10,12 +10,14 @@ from rich.table import Table
 
 from metrics import METRICS
 from metrics.bands import BANDS
+from metrics.ocio import space_names, view_names
 from sequences import library, load
+from swimlab.footage.colour import AS_STORED, SRGB
 from swimlab.footage.convention import PRESETS, SOURCES, Convention
 from swimlab.render.catalogue import brdfs, techniques
 from swimlab.runs.record import RunError
 
-Kind = Literal["techniques", "sequences", "brdfs", "metrics", "conventions"]
+Kind = Literal["techniques", "sequences", "brdfs", "metrics", "conventions", "colorspaces", "views"]
 
 IN_JSON = {"sequences": "file", "metrics": "source"}
 """Columns that the table of a kind has no room for."""
@@ -64,6 +66,9 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
         ]
     if kind == "conventions":
         return [_convention(name, convention) for name, convention in PRESETS.items()]
+    if kind in ("colorspaces", "views"):
+        names = [AS_STORED, SRGB, *space_names()] if kind == "colorspaces" else view_names()
+        return [{kind.removesuffix("s"): name} for name in names]
 
     entries = techniques() if kind == "techniques" else brdfs()
     return [

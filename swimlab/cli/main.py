@@ -16,7 +16,7 @@ from swimlab.runs.provenance import SWIMLAB
 
 COMMANDS = {
     "demo": "Render, measure and report a small road in under a minute, and say what to look at.",
-    "study": "Render the techniques and the reference, measure them and write a report.",
+    "study": "Render the techniques and the reference, or take builds of shot files; measure and report them.",
     "render": "Render a sequence under one or several techniques into a run folder.",
     "measure": "Measure the techniques of a run folder against its reference, or frames of your own.",
     "report": "Write the report of run folders that have been measured.",
@@ -29,7 +29,7 @@ COMMANDS = {
     "info": "Say what a sequence, a run folder or frames of your own hold.",
     "selftest": "Measure clips with known answers and show both.",
     "doctor": "Check that everything swimlab needs works on this machine.",
-    "schema": "Print the JSON schema of sequence files, for editors.",
+    "schema": "Print the JSON schema of sequence files or shot files, for editors.",
 }
 
 app = App(

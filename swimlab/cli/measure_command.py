@@ -3,7 +3,8 @@
 import json
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,12 +15,13 @@ from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.score_table import print_scores
 from swimlab.cli.terminal import progress
+from swimlab.footage.request import Request
 from swimlab.footage.subject import Subject
 from swimlab.runs.columns import COLUMNS
 from swimlab.runs.files import write_json, write_text
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import frames_table, scores_path
-from swimlab.scoring.footage import measure_subject
+from swimlab.scoring.brought import measure_brought
 from swimlab.scoring.measure import measure_run
 
 
@@ -59,15 +61,19 @@ def measure_command(
     """
     footage = footage or Footage()
     others = tuple(name.strip() for name in peers.split(",")) if peers else ()
-    if (run is None) == (footage.test is None):
+    if (run is None) == (footage.test is None and not footage.build):
         raise RunError("measure either a run folder or frames of your own: give RUN or --test, one of them")
     if run is not None:
         _refuse_footage(footage)
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), device=device, quiet=quiet)
     else:
-        folder = None if output is None or scores_path(output) == output or output.is_file() else output
-        scores = _measure_footage(footage, domain, peers=others, device=device, quiet=quiet, pictures=folder)
-    written = None if output is None else _write(output, scores)
+        folder = None if output is None or scores_path(output) == output else output
+        scores = measure_brought_with_progress(
+            footage.requests(domain), folder, footage.sequence, peers=others, device=device, quiet=quiet
+        )
+    written = None if output is None else scores_path(output)
+    if output is not None and (run is not None or written == output):
+        _write(output, scores)
     if json_output:
         print(json.dumps(scores, indent=1, allow_nan=False))
     else:
@@ -97,10 +103,16 @@ def measure_with_progress(
         )
 
 
-def _measure_footage(
-    footage: Footage, domain: Domain, *, peers: Sequence[str], device: str, quiet: bool, pictures: Path | None
+def measure_brought_with_progress(
+    requests: Mapping[str, Request],
+    run: Path | None,
+    sequence: str | None,
+    *,
+    peers: Sequence[str] = (),
+    device: str = "cpu",
+    quiet: bool,
 ) -> dict[str, Any]:
-    """Measure frames of the user's own, saying on stderr what there is to know beside the scores."""
+    """Measure builds of the user's own frames, saying on stderr what there is to know beside the scores."""
 
     def say(text: str) -> None:
         if not quiet:
@@ -109,10 +121,26 @@ def _measure_footage(
     def warn(text: str) -> None:
         print(f"swimlab: warning: {text}", file=sys.stderr)
 
-    subject = Subject(footage.request(domain), say, warn, pictures=pictures)
-    with progress(f"measuring {subject.name}", len(subject.kept), quiet=quiet) as advance:
-        command = shlex.join(["swimlab", *sys.argv[1:]])
-        scores = measure_subject(subject, peers=peers, device=device, command=command, advance=lambda *_: advance(""))
+    with ExitStack() as stack:
+        shown: list[Callable[[str], None]] = []
+
+        def begin(builds: Mapping[str, Subject]) -> None:
+            total = sum(len(subject.kept) for subject in builds.values())
+            name = sequence or next(iter(builds.values())).name
+            shown.append(stack.enter_context(progress(f"measuring {name}", total, quiet=quiet)))
+
+        scores = measure_brought(
+            requests,
+            run,
+            sequence=sequence,
+            peers=peers,
+            device=device,
+            command=shlex.join(["swimlab", *sys.argv[1:]]),
+            say=say,
+            warn=warn,
+            begin=begin,
+            advance=lambda *_: shown[0](""),
+        )
     for family, reason in _absent_families(scores["sequences"][0]).items():
         say(f"no {family}: {reason}")
     return scores

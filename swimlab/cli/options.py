@@ -1,6 +1,6 @@
 """Options that several commands share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
@@ -51,6 +51,13 @@ class Rendering:
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="")] = False
     dry_run: Annotated[bool, Parameter(negative="")] = False
+
+    def refuse_for_shots(self, name: str) -> None:
+        """Raise RunError where an option of rendering comes with a shot file, whose frames are there already."""
+        of_rendering = ("frames", "size", "samples", "float32", "dry_run", "force")
+        given = [field.name for field in fields(self) if getattr(self, field.name) != field.default]
+        for option in filter(given.__contains__, of_rendering):
+            raise RunError(f"--{option.replace('32', '').replace('_', '-')}: renders; the frames of {name} are there")
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
         """What to render of a sequence. Raises SequenceError or RunError naming every mistake."""

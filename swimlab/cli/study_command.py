@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -9,14 +10,16 @@ from cyclopts import Parameter
 
 from metrics.display import Domain
 from swimlab.cli.dry_run import print_plans
-from swimlab.cli.measure_command import measure_with_progress
+from swimlab.cli.measure_command import measure_brought_with_progress, measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.cli.score_table import print_scores
+from swimlab.footage.request import Request
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.report.contact import write_contact_sheet
 from swimlab.report.page import write_report
 from swimlab.runs.files import write_json
-from swimlab.runs.record import REFERENCE, RunError
+from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import merge_scores
 
 ROAD = ("road-shift", "road-drive", "road-scale")
@@ -31,16 +34,16 @@ def study_command(
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     rendering: Rendering | None = None,
 ) -> int:
-    """Render the techniques and the reference, measure them and write a report.
+    """Render the techniques and the reference, or take the builds of shot files, measure them and write a report.
 
     One sequence makes OUTPUT a run folder; several make a run folder each in it, beside scores and report of all.
 
     Parameters
     ----------
     sequences:
-        Names of sequences in the library, or .toml files (default: the three road sequences).
+        Names of sequences in the library, or .toml files of sequences or shots (default: the three road sequences).
     techniques:
-        Techniques, separated by commas (default: all); the reference is always rendered.
+        Techniques, or builds of shots, separated by commas (default: all); the reference is always rendered.
     output:
         Folder to write.
     domain:
@@ -49,30 +52,53 @@ def study_command(
         Print the scores as JSON instead of a table.
     """
     rendering = rendering or Rendering()
-    names = technique_names(None if techniques is None else f"{techniques},{REFERENCE}")
-    plans = [rendering.plan(name, names) for name in sequences or ROAD]
-    for name, count in Counter(plan.sequence.name for plan in plans).items():
+    shots = {name: load_shot(Path(name)) for name in sequences if is_shot(name)}
+    if shots:
+        rendering.refuse_for_shots(next(iter(shots)))
+    if shots and techniques is not None and len(shots) < len(sequences):
+        raise RunError(f"-t {techniques}: names either techniques of sequences or builds of shots; study them apart")
+    names = technique_names(None if techniques is None or shots else f"{techniques},{REFERENCE}")
+    plans = {name: rendering.plan(name, names) for name in sequences or ROAD if name not in shots}
+    titles = {name: shots[name].name if name in shots else plans[name].sequence.name for name in sequences or ROAD}
+    for title, count in Counter(titles[name] for name in sequences or ROAD).items():
         if count > 1:
             raise RunError(
-                f"{name}: {count} of the sequences are named so, and would write one folder; rename or drop one"
+                f"{title}: {count} of the sequences are named so, and would write one folder; rename or drop one"
             )
-    folders = [output if len(plans) == 1 else output / plan.sequence.name for plan in plans]
+    folders = [output if len(titles) == 1 else output / title for title in titles.values()]
     if rendering.dry_run:
-        print_plans(plans, folders, force=rendering.force, json_output=json_output)
+        print_plans(list(plans.values()), folders, force=rendering.force, json_output=json_output)
         return 0
-    for plan, run in zip(plans, folders, strict=True):
-        render_with_progress(plan, run, rendering)
-    all_scores = [measure_with_progress(run, domain, quiet=rendering.quiet) for run in folders]
+    asked = {name: chosen_builds(techniques, shot.requests(Path(name).parent, domain)) for name, shot in shots.items()}
+    for name, run in zip(titles, folders, strict=True):
+        if name in plans:
+            render_with_progress(plans[name], run, rendering)
+    all_scores = [
+        measure_brought_with_progress(asked[name], run, titles[name], quiet=rendering.quiet)
+        if name in shots
+        else measure_with_progress(run, domain, quiet=rendering.quiet)
+        for name, run in zip(titles, folders, strict=True)
+    ]
     merged = merge_scores(all_scores)
     if len(folders) > 1:
         write_json(output / "scores.json", merged)
     write_report(folders, merged, output / "report.html")
-    for plan, run in zip(plans, folders, strict=True):
-        rows = sorted(names, key=lambda name: name == REFERENCE)
-        write_contact_sheet(run, run / "contact.png", techniques=rows, frames=plan.frames[:SHEET_FRAMES])
+    for run in folders:
+        record = Record.read(run)
+        rows = sorted(record.techniques, key=lambda name: name == REFERENCE)
+        write_contact_sheet(run, run / "contact.png", techniques=rows, frames=record.frames[:SHEET_FRAMES])
     if json_output:
         print(json.dumps(merged, indent=1, allow_nan=False))
         return 0
     print_scores(all_scores)
     print(output / "report.html")
     return 0
+
+
+def chosen_builds(text: str | None, requests: Mapping[str, Request]) -> dict[str, Request]:
+    """The builds of a list with commas, every one for None. Raises RunError naming one that is not there."""
+    wanted = list(requests) if text is None else [name.strip() for name in text.split(",") if name.strip()]
+    unknown = [name for name in wanted if name not in requests]
+    if unknown or not wanted:
+        raise RunError(f"-t {text}: there are the builds {', '.join(requests)}")
+    return {name: request for name, request in requests.items() if name in wanted}

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from swimlab.footage.channels import find_alpha, find_colour
-from swimlab.footage.colour import resolve
+from swimlab.footage.colour import AUTO, resolve
 from swimlab.footage.convention import guess
 from swimlab.footage.header import LOSSY, Header
 from swimlab.footage.pattern import frame_range
@@ -18,8 +18,10 @@ def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
     """
     reader = open_frames(name)
     header = reader.header
+    there = [number for index, number in enumerate(reader.numbers) if index not in reader.gaps]
+    uneven = ", at uneven times, which number them" if reader.gaps else ""
     lines = [
-        ("frames", f"{len(reader.numbers)}, {frame_range(reader.numbers)}"),
+        ("frames", f"{len(there)}, {frame_range(there)}{uneven}"),
         ("name", reader.name),
         ("size", "{}x{}".format(*header.size)),
     ]
@@ -53,11 +55,14 @@ def _colour(header: Header, name: str) -> list[tuple[str, str]]:
         return [("colour", "no channels that are plainly a colour; choose with --channels")]
     part = header.parts[index]
     stored_as = part.types[part.channels.index(channels[0])]
-    space = resolve("auto", stored_as=stored_as, metadata=header.colour_space)
-    said = f"the file says {header.colour_space}" if header.colour_space else "the file does not say"
+    said = f"the file says {part.colour_space}" if part.colour_space else "the file does not say"
+    try:
+        taken = "taken as " + resolve(AUTO, stored_as=stored_as, metadata=part.colour_space)
+    except ValueError:
+        taken = "in a colour space that is not known"
     alpha = find_alpha(part, channels)
     kind = "not premultiplied" if header.unassociated else "premultiplied"
     return [
-        ("colour", f"{', '.join(channels)}, taken as {space} ({said}); choose with --colorspace"),
+        ("colour", f"{', '.join(channels)}, {taken} ({said}); choose with --colorspace"),
         ("alpha", f"{alpha}, {kind}, ignored; choose with --alpha" if alpha else "none"),
     ]

@@ -25,22 +25,23 @@ def open_fields(
     kept: list[int],
     crop: Box | None,
     mask: Mask | None,
+    part: str | None,
     note: Callable[[str], None],
     say: Callable[[str], None],
 ) -> FieldMotion:
     """The motion in files of vectors, one a frame.
 
     size: width and height of the frames. kept: indices of the frames that are measured. crop: in the frames' px. mask:
-    where vectors are valid, None: everywhere. note, say: called with what the scores should keep, and with what else
-    there is to know. Raises FrameError where a file that is needed cannot be used, or the vectors are not of the
-    frames' view.
+    where vectors are valid, None: everywhere. part: of the files, by name, view or index. note, say: called with what
+    the scores should keep, and with what else there is to know. Raises FrameError where a file that is needed cannot be
+    used, or the vectors are not of the frames' view.
     """
     convention = _of_files(convention, reader)
     _check_view(reader, size)
     if mask is not None and mask.reader.header.size != reader.header.size:
         sizes = "{}x{} px, the motion vectors {}x{} px".format(*mask.reader.header.size, *reader.header.size)
         raise FrameError(f"--motion-mask {mask.reader.name}: is {sizes}; give a mask of the vectors' size")
-    part, channels = find_pair(reader.header, convention.channels, reader.name)
+    index, channels = find_pair(reader.header, convention.channels, reader.name, part=part)
     offset = ", offset {:g},{:g}".format(*convention.offset) if any(convention.offset) else ""
     say(
         f"motion from {','.join(channels)}: {convention.unit}, {convention.direction}, +y {convention.y}, "
@@ -48,18 +49,18 @@ def open_fields(
     )
     needed = range(kept[0], kept[-1] + 1)
     needed = needed[1:] if convention.direction == "backward" else needed[:-1]
-    problems = reader.problems(part, channels)
-    for index in needed:
-        if index in problems:
-            raise FrameError(f"{problems[index]} (motion vectors of skipped frames are needed too)")
-    motion = FieldMotion(reader, part, channels, convention, crop, size=size, mask=mask)
+    problems = reader.problems(index, channels)
+    for frame in needed:
+        if frame in problems:
+            raise FrameError(f"{problems[frame]} (motion vectors of skipped frames are needed too)")
+    motion = FieldMotion(reader, index, channels, convention, crop, size=size, mask=mask)
     if size != reader.header.size:
         note("motion vectors of {}x{} px are resampled for frames of {}x{} px".format(*reader.header.size, *size))
-    _note_steps(motion, reader, part, note)
+    _note_steps(motion, reader, index, note)
     unknown = motion.vectors.survey(needed)
     if unknown:
-        numbers = [reader.numbers[index] for index in unknown]
-        most = max(unknown, key=lambda index: unknown[index])
+        numbers = [reader.numbers[frame] for frame in unknown]
+        most = max(unknown, key=lambda frame: unknown[frame])
         note(
             f"motion is unknown (vectors NaN, masked or not written) in {np.mean(list(unknown.values())):.2%} of the "
             f"pixels of motion frames {frame_range(numbers)}, at most in {reader.numbers[most]} ({unknown[most]:.2%}); "

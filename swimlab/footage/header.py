@@ -7,35 +7,40 @@ from typing import Any
 
 import numpy as np
 
+from swimlab.footage.colour_tags import stated_space
 from swimlab.runs.frames import FrameError, Image, oiio_name
 
 LOSSY = frozenset({"dwaa", "dwab", "b44", "b44a", "pxr24", "jpeg", "webp", "lossy video"})
 """Compressions that change the pixels."""
 
-_COLOUR_CHUNKS = (b"sRGB", b"gAMA", b"cICP", b"iCCP")
-
 
 @dataclass(frozen=True)
 class Part:
-    """A part (OpenImageIO: subimage) of a file: its channels, and what each is stored as: uint8, half, float..."""
+    """A part (OpenImageIO: subimage) of a file: its channels, and what each is stored as: uint8, half, float...
+
+    colour_space: what its metadata says, None where it says nothing. view: of a stereo pair, as left. deep: with any
+    number of samples a pixel, it is no picture.
+    """
 
     name: str
     channels: tuple[str, ...]
     types: tuple[str, ...]
+    colour_space: str | None = None
+    view: str = ""
+    deep: bool = False
 
 
 @dataclass(frozen=True)
 class Header:
     """size: width, height of the picture (EXR: of its display window).
 
-    colour_space: what the metadata says, None where it says nothing. unassociated: the colours are not premultiplied.
-    full_scale: codes from black to white of integers that do not use their whole range (video), else None.
+    unassociated: the colours are not premultiplied. full_scale: codes from black to white of integers that do not use
+    their whole range (video), else None.
     """
 
     size: tuple[int, int]
     parts: tuple[Part, ...]
     compression: str
-    colour_space: str | None = None
     fps: float | None = None
     unassociated: bool = False
     full_scale: int | None = None
@@ -50,18 +55,22 @@ def read_header(path: Path) -> Header:
         spec = source.spec()
         types = [str(kind) for kind in spec.channelformats] or [str(spec.format)] * spec.nchannels
         name = spec.get_string_attribute("oiio:subimagename") or spec.get_string_attribute("name")
-        parts.append(Part(name, tuple(spec.channelnames), tuple(types)))
+        space, view = stated_space(path, spec), spec.get_string_attribute("view")
+        parts.append(Part(name, tuple(spec.channelnames), tuple(types), space, view, deep=bool(spec.deep)))
     source.close()
+    if all(part.deep for part in parts):
+        raise FrameError(f"{path}: is deep, with any number of samples a pixel; flatten it, as oiiotool --flatten does")
+    if first.get_int_attribute("oiio:Movie"):
+        raise FrameError(f"{path}: is a moving picture; write its frames as files, as ffmpeg does, and name these")
     suffix = path.suffix.lower()
     rate = first.getattribute("FramesPerSecond")
     if isinstance(rate, tuple):
-        rate = rate[0] / rate[1]
+        rate = rate[0] / rate[1] if rate[1] else 0
     return Header(
         size=(first.full_width, first.full_height),
         parts=tuple(parts),
         compression="jpeg" if suffix in (".jpg", ".jpeg") else first.get_string_attribute("compression") or suffix[1:],
-        colour_space=_colour_space(path, first),
-        fps=float(rate) if rate else None,
+        fps=float(rate) if rate and rate > 0 else None,
         unassociated=bool(first.get_int_attribute("oiio:UnassociatedAlpha", 0)),
     )
 
@@ -131,18 +140,9 @@ def _in_display_window(pixels: Image, spec: Any) -> Image:
     if (left, top, spec.width, spec.height) == (0, 0, spec.full_width, spec.full_height):
         return pixels
     whole = np.zeros((spec.full_height, spec.full_width, pixels.shape[2]), np.float32)
-    rows = slice(max(top, 0), min(top + spec.height, spec.full_height))
-    columns = slice(max(left, 0), min(left + spec.width, spec.full_width))
+    rows = slice(max(top, 0), max(min(top + spec.height, spec.full_height), 0))
+    columns = slice(max(left, 0), max(min(left + spec.width, spec.full_width), 0))
+    if rows.start >= rows.stop or columns.start >= columns.stop:
+        return whole
     whole[rows, columns] = pixels[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
     return whole
-
-
-def _colour_space(path: Path, spec: Any) -> str | None:
-    """The colour space that the file's own metadata names; OpenImageIO assumes sRGB of a PNG that says nothing."""
-    named: str = spec.get_string_attribute("oiio:ColorSpace")
-    if path.suffix.lower() == ".png":
-        with path.open("rb") as file:
-            head = file.read(4096).partition(b"IDAT")[0]
-        if not any(chunk in head for chunk in _COLOUR_CHUNKS):
-            return None
-    return named or None

@@ -1,6 +1,5 @@
 """How the picture moves, as a request says: not at all, by one vector, by files of vectors, or as the frames tell."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -15,8 +14,6 @@ from swimlab.footage.source import Mask, Source
 from swimlab.runs.frames import FrameError
 
 Say = Callable[[str], None]
-
-_VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 
 
 class Moving(NamedTuple):
@@ -47,9 +44,9 @@ def open_motion(
     if request.motion == ESTIMATE:
         note("the motion is estimated from the frames, which hides part of their flicker and swimming")
         return Moving("estimated", EstimatedMotion((reference or test).picture))
-    vector = _VECTOR.fullmatch(request.motion)
-    if vector is not None:
-        moving = Moving("uniform", UniformMotion(_velocity(vector), test.shape))
+    velocity = request.velocity
+    if velocity is not None:
+        moving = Moving("uniform", UniformMotion(velocity, test.shape))
     else:
         moving = _open_files(request, request.motion, test, kept, match, note, say)
     if request.motion_jitter in (None, ESTIMATE):
@@ -65,9 +62,11 @@ def _refuse_parts_of_files(request: Request) -> None:
     if motion in (None, ESTIMATE) and (mask or jitter):
         option = "--motion-mask" if mask else "--motion-jitter"
         raise FrameError(f"{option}: is for a motion that is given; give --motion, or leave it out")
+    if motion is None and request.motion_part is not None:
+        raise FrameError(f"--motion-part {request.motion_part}: is for files of motion vectors; give --motion")
     if jitter is None and request.motion_jitter_in != "vectors":
         raise FrameError("--motion-jitter-in: says who has the jitter; give --motion-jitter FILE or estimate too")
-    if motion is not None and mask and _VECTOR.fullmatch(motion):
+    if motion is not None and mask and request.velocity is not None:
         raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
 
 
@@ -88,16 +87,9 @@ def _open_files(
         size=test.reader.header.size,
         kept=kept,
         crop=request.look.crop,
+        part=request.motion_part,
         mask=mask,
         note=note,
         say=say,
     )
     return Moving("fields", motion, list(reader.header.size))
-
-
-def _velocity(vector: re.Match[str]) -> tuple[float, float]:
-    try:
-        x, y = float(vector[1]), float(vector[2])
-    except ValueError as error:
-        raise FrameError(f"--motion {vector[0]}: give dx,dy in px a frame, as 0.5,-0.25") from error
-    return x, y

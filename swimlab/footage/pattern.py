@@ -3,14 +3,22 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path, PurePath
 
+from swimlab.footage.numbering import NUMBER, common_width, is_written, sign_counts
 from swimlab.runs.frames import FrameError
 
-IMAGES = frozenset({".exr", ".png", ".tif", ".tiff", ".hdr", ".dpx", ".jpg", ".jpeg", ".webp", ".tga", ".bmp"})
-VIDEOS = frozenset({".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".nut"})
+VIDEOS = frozenset(
+    {".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".nut", ".y4m", ".mpg", ".mpeg", ".mts", ".m2ts", ".mxf", ".gif"}
+)
+_NO_IMAGES = frozenset({".null", ".nul", ".term", ".gif"})
+"""What OpenImageIO opens that is no picture, or a video."""
 
-_TOKEN = re.compile(r"(?:(?<![^._])(?P<range>-?\d[-\d,x:]*[-,][-\d,x:]*))?(?P<padding>#+|%0?\d*d)")
+_FRAMES = r"-?\d+(?:--?\d+(?:[x:y]-?\d+)?)?"
+_TOKEN = re.compile(
+    rf"(?:(?<![^._])(?P<range>(?={_FRAMES}[,]|-?\d+-){_FRAMES}(?:,{_FRAMES})*))?(?P<padding>#+|%0?\d*d)"
+)
 _LISTED = 5
 
 
@@ -62,7 +70,7 @@ def holds_frames(name: str) -> bool:
     path = Path(name)
     if path.is_dir():
         return not (path / "run.json").exists() and bool(_patterns(path))
-    return parse_pattern(path) is not None or path.suffix.lower() in IMAGES | VIDEOS
+    return parse_pattern(path) is not None or _is_frames(path)
 
 
 def is_video(name: str) -> bool:
@@ -86,15 +94,17 @@ def find_files(name: str, *, frames: str | None = None) -> Files:
         if not path.is_file():
             raise FrameError(f"{name}: no such file; write a frame's number in a pattern as ####, as in shot.####.exr")
         return Files(name, (0,), (path,))
-    found = _numbers(path.parent, pattern.before, pattern.after, pattern.width)
+    found = _numbers(path.parent, pattern)
     frames = pattern.range or frames
+    if frames is None:
+        _refuse_part(name, path.parent, pattern, found)
     if frames is not None:
         numbers = parse_range(frames, name)
     elif found:
         numbers = tuple(range(min(found), max(found) + 1))
     else:
         raise FrameError(f"{name}: no file matches{_others(path.parent)}")
-    paths = tuple(path.parent / pattern.file_name(number) for number in numbers)
+    paths = tuple(path.parent / found.get(number, pattern.file_name(number)) for number in numbers)
     missing = tuple(number for number in numbers if number not in found)
     if len(missing) == len(numbers):
         raise FrameError(f"{name}: none of the frames {frame_range(numbers)} is there{_others(path.parent)}")
@@ -125,12 +135,35 @@ def _width(padding: str) -> int:
     return int(padding[1:-1] or "1")
 
 
-def _numbers(folder: Path, before: str, after: str, width: int) -> set[int]:
-    """Numbers of the files that are there: those that, written with `width` digits, give the file's name again."""
-    shape = re.compile(re.escape(before) + r"(-?\d+)" + re.escape(after))
+def _texts(folder: Path, pattern: Pattern) -> dict[str, str]:
+    """Name -> number as it is written, of the files that the pattern fits but for the number of digits."""
+    shape = re.compile(re.escape(pattern.before) + f"({NUMBER})" + re.escape(pattern.after))
     names = (entry.name for entry in folder.iterdir()) if folder.is_dir() else ()
-    texts = (match[1] for match in map(shape.fullmatch, names) if match)
-    return {int(text) for text in texts if f"{int(text):0{width}d}" == text}
+    return {match[0]: match[1] for match in map(shape.fullmatch, names) if match}
+
+
+def _numbers(folder: Path, pattern: Pattern) -> dict[int, str]:
+    """Number -> name of the files that are there. Raises FrameError where two are of one number."""
+    found: dict[int, str] = {}
+    for name, text in sorted(_texts(folder, pattern).items()):
+        if is_written(text, pattern.width, before=pattern.before):
+            if int(text) in found:
+                raise FrameError(f"{folder}: {found[int(text)]} and {name} are both frame {int(text)}; remove one")
+            found[int(text)] = name
+    return found
+
+
+def _refuse_part(name: str, folder: Path, pattern: Pattern, found: dict[int, str]) -> None:
+    """Raise FrameError where a pattern takes a part of a sequence, whose other numbers have other digits."""
+    texts = _texts(folder, pattern)
+    left = sorted(each for each, text in texts.items() if int(text) not in found)
+    width = common_width(texts.values(), before=pattern.before) if found and left else None
+    if width is not None:
+        whole = f"{pattern.before}%0{width}d{pattern.after}"
+        raise FrameError(
+            f"{name}: leaves out {len(left)} of {len(texts)} files of one sequence, as {left[0]}, whose numbers have "
+            f"other digits; write {whole}, or say which with --frames"
+        )
 
 
 def _only_sequence(folder: Path) -> str:
@@ -144,17 +177,38 @@ def _only_sequence(folder: Path) -> str:
 
 def _patterns(folder: Path) -> list[str]:
     """File names in a folder with the last number of each as #: what sequences there are."""
-    found: dict[str, None] = {}
+    groups: dict[tuple[str, str], list[str]] = {}
+    single: dict[str, None] = {}
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.suffix.lower() in IMAGES | VIDEOS and not path.name.startswith("."):
-            digits = re.search(r"\d+(?=\D*$)", path.stem) if path.suffix.lower() in IMAGES else None
-            found[_as_pattern(path.name, digits) if digits else path.name] = None
-    return list(found)
+        if path.name.startswith(".") or not _is_frames(path):
+            continue
+        match = None if is_video(path.name) else re.search(r"-?\d+(?=\D*$)", path.stem)
+        if match is None:
+            single[path.name] = None
+            continue
+        start = match.start() + (match[0].startswith("-") and not sign_counts(path.name[: match.start()]))
+        groups.setdefault((path.name[:start], path.name[match.end() :]), []).append(path.name[start : match.end()])
+    found = []
+    for (before, after), texts in groups.items():
+        width = common_width(texts, before=before)
+        widths = sorted({len(text.removeprefix("-")) for text in texts}) if width is None else [width]
+        found += [f"{before}{'%01d' if each == 1 else '#' * each}{after}" for each in widths]
+    return sorted([*found, *single])
 
 
-def _as_pattern(name: str, digits: re.Match[str]) -> str:
-    padding = f"%0{len(digits[0])}d" if len(digits[0]) == 1 else "#" * len(digits[0])
-    return name[: digits.start()] + padding + name[digits.end() :]
+def _is_frames(path: Path) -> bool:
+    """Whether a path is that of an image or video file, by its ending."""
+    suffix = path.suffix.lower()
+    return suffix in VIDEOS or (suffix != "" and suffix in _images())
+
+
+@lru_cache
+def _images() -> frozenset[str]:
+    """Endings of the image files that OpenImageIO knows."""
+    import OpenImageIO as oiio  # noqa: N813, heavy
+
+    formats = oiio.get_string_attribute("extension_list").split(";")
+    return frozenset(f".{each}" for one in formats for each in one.partition(":")[2].split(",")) - _NO_IMAGES
 
 
 def _others(folder: Path) -> str:

@@ -20,6 +20,8 @@ class Reader(Protocol):
     name: str
     numbers: tuple[int, ...]
     header: Header
+    gaps: frozenset[int]
+    """Indices without a frame, by the time stamps of a video: nothing was shown anew then."""
 
     def label(self, index: int) -> str:
         """What to call a frame in a message."""
@@ -48,6 +50,7 @@ class ImageReader:
         """Raises FrameError where no file can be read."""
         self.name = files.name
         self.numbers = files.numbers
+        self.gaps: frozenset[int] = frozenset()
         self._paths = files.paths
         self._missing = frozenset(files.missing)
         self._headers: dict[int, Header | str] = {}
@@ -70,6 +73,9 @@ class ImageReader:
                 found[index] = (
                     f"{path}: has no channels {', '.join(channels)} as the others have; it has {names}; {LEAVE_OUT}"
                 )
+            elif header.parts[part].colour_space != self.header.parts[part].colour_space:
+                said, most = (each.parts[part].colour_space or "no colour space" for each in (header, self.header))
+                found[index] = f"{path}: says that it is in {said}, the first frame {most}; all need one: {LEAVE_OUT}"
         return found
 
     def damage(self) -> dict[int, str]:

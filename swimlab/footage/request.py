@@ -1,14 +1,18 @@
 """What is asked for: which frames to measure, and what they and their motion mean."""
 
+import re
 from dataclasses import dataclass, field
 
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.jitter import Side
 from swimlab.footage.source import Look
+from swimlab.runs.frames import FrameError
 
 ESTIMATE = "estimate"
 """As a motion, or its jitter: found from the frames."""
+
+_VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,8 +22,11 @@ class Request:
     motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
     own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
     motion_jitter: text file of the frames' jitter, px, of the vectors where there are any, or "estimate"; it is in the
-    vectors alone or in the frames alone, as motion_jitter_in says. frames: range for names without one of their own.
-    skip_bad_frames: leave out what cannot be measured. unverified: measure though the motion does not fit the frames.
+    vectors alone or in the frames alone, as motion_jitter_in says. look: how the test is read, and the reference where
+    neither reference_look nor its files say otherwise; its crop is of all. motion_part: of the files of vectors.
+    depth: files of depth, m, with their channel (None: found) and part.
+    frames: range for names without one of their own. skip_bad_frames: leave out what cannot be measured. unverified:
+    measure though the motion does not fit the frames.
     """
 
     test: str
@@ -29,6 +36,11 @@ class Request:
     fps: float | None = None
     frames: str | None = None
     look: Look = field(default_factory=Look)
+    reference_look: Look = field(default_factory=Look)
+    motion_part: str | None = None
+    depth: str | None = None
+    depth_channels: str | None = None
+    depth_part: str | None = None
     convention: Convention = PRESETS["own"]
     motion_mask: str | None = None
     motion_jitter: str | None = None
@@ -39,3 +51,14 @@ class Request:
     unverified: bool = False
     pixels_per_degree: float | None = None
     luminance: float | None = None
+
+    @property
+    def velocity(self) -> tuple[float, float] | None:
+        """The motion as px a frame, where it is one vector for all. Raises FrameError where that cannot be read."""
+        vector = None if self.motion is None else _VECTOR.fullmatch(self.motion)
+        if vector is None:
+            return None
+        try:
+            return float(vector[1]), float(vector[2])
+        except ValueError as error:
+            raise FrameError(f"--motion {vector[0]}: give dx,dy in px a frame, as 0.5,-0.25") from error

@@ -1,6 +1,6 @@
 """Frames as linear radiance: channels chosen, colours decoded, alpha and crop applied."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
@@ -8,14 +8,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.clip import WHOLE
 from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour
-from swimlab.footage.colour import ColourSpace, decode, quantisation_floor, resolve
+from swimlab.footage.colour import AS_STORED, AUTO, SRGB, decode, quantisation_floor, resolve
 from swimlab.footage.reader import LEAVE_OUT, Reader
 from swimlab.runs.frames import FrameError, Image
 
 AlphaUse = Literal["ignore", "mask", "unpremultiply"]
+
+BRIGHTEST = 1e12
+"""Values beyond this are mistakes: their squares, and sums of them, leave single precision."""
+_OPAQUE = 1 - 0.5 / 255
+"""Alpha from here on is 1 as far as 8 bit can say; halves and denoisers miss 1 by less."""
 
 
 @dataclass(frozen=True)
@@ -34,31 +38,47 @@ class Box:
 
 @dataclass(frozen=True)
 class Look:
-    """How stored values become radiance.
+    """How stored values become radiance; None where it is not said.
 
-    channels: three channels with commas, one, or a layer; None: found. alpha: "ignore" takes colours as stored, "mask"
-    measures only pixels of alpha 1, "unpremultiply" divides premultiplied colours by alpha and measures where it is
-    above 0.
+    channels: three channels with commas, one, or a layer; None: found. colour_space: a name of OpenColorIO's
+    configuration, "linear", "srgb" or "auto"; None: auto, what the files say. alpha: "ignore" (None) takes colours as
+    stored, "mask" measures only pixels of alpha 1, "unpremultiply" divides premultiplied colours by alpha and measures
+    where it is above 0. part: name, view or index of the only part of a file to look into.
     """
 
     channels: str | None = None
-    colour_space: ColourSpace = "auto"
-    alpha: AlphaUse = "ignore"
+    colour_space: str | None = None
+    alpha: AlphaUse | None = None
+    part: str | None = None
     crop: Box | None = None
 
 
 class Source:
     """Frames by index as linear radiance."""
 
-    def __init__(self, reader: Reader, look: Look) -> None:
-        """Frames without alpha are wholly opaque. Raises FrameError where channels or crop are not available."""
+    def __init__(self, reader: Reader, look: Look, *, prefix: str = "") -> None:
+        """Frames without alpha are wholly opaque. prefix: of the input's options, as "reference-".
+
+        Raises FrameError where channels, colour space or crop are not available.
+        """
         self.reader = reader
-        self.part, self.channels = find_colour(reader.header, look.channels, reader.name)
+        self.look = look
+        self.measured: Callable[[int], Image] | None = None
+        """Index -> [H, W], 0 where a frame is not measured: there it need not be finite."""
+        self.part, self.channels = find_colour(reader.header, look.channels, reader.name, part=look.part, prefix=prefix)
         part = reader.header.parts[self.part]
         self.stored_as = part.types[part.channels.index(self.channels[0])]
-        self.space = resolve(look.colour_space, stored_as=self.stored_as, metadata=reader.header.colour_space)
-        self._look = look
-        self._alpha = find_alpha(part, self.channels) if look.alpha != "ignore" else None
+        try:
+            self.space = resolve(look.colour_space or AUTO, stored_as=self.stored_as, metadata=part.colour_space)
+        except ValueError as error:
+            option = f"--{prefix}colorspace"
+            if look.colour_space in (None, AUTO):
+                raise FrameError(
+                    f"{reader.name}: says that it is in {part.colour_space}, which is not known: name a colour space "
+                    f"with {option}, or linear to take values as they are"
+                ) from error
+            raise FrameError(f"{option} {look.colour_space}: {error}") from error
+        self._alpha = find_alpha(part, self.channels) if look.alpha not in (None, "ignore") else None
         check_crop(look.crop, reader.header.size, reader.name)
         self._read = lru_cache(maxsize=2)(self._stored)
 
@@ -66,7 +86,7 @@ class Source:
     def shape(self) -> tuple[int, int]:
         """Height and width after cropping."""
         width, height = self.reader.header.size
-        return (self._look.crop.height, self._look.crop.width) if self._look.crop else (height, width)
+        return (self.look.crop.height, self.look.crop.width) if self.look.crop else (height, width)
 
     @property
     def has_coverage(self) -> bool:
@@ -78,27 +98,48 @@ class Source:
         return self.reader.problems(self.part, self._channels_read)
 
     def picture(self, index: int) -> Image:
-        """[H, W, 3] linear radiance. Raises FrameError naming the frame, also for NaN and Inf."""
+        """[H, W, 3] linear radiance, 0 where it is not measured and no finite number.
+
+        Raises FrameError naming the frame, also for NaN, Inf and values of no picture.
+        """
         stored = self._read(index)
         colour = stored[..., : len(self.channels)]
-        check_finite(colour, self.reader.label(index))
-        if self._alpha is not None and self._look.alpha == "unpremultiply" and not self.reader.header.unassociated:
+        if self._alpha is not None and self.look.alpha == "unpremultiply" and not self.reader.header.unassociated:
             alpha = stored[..., -1:]
             colour = np.where(alpha > 0, colour / np.where(alpha > 0, alpha, 1), 0)
-        radiance = decode(colour, self.space)
+        colour = self._usable(colour, index)
+        radiance = self._decoded(colour)
         return np.asarray(np.broadcast_to(radiance, (*radiance.shape[:2], 3)))
+
+    def _usable(self, colour: Image, index: int) -> Image:
+        """Colours without what is not measured and not finite. Raises FrameError where that is measured."""
+        usable = np.abs(colour) <= BRIGHTEST
+        if usable.all():
+            return colour
+        unmeasured = False if self.measured is None else (self.measured(index) <= 0)[..., None]
+        check_usable(np.where(unmeasured, 0, colour), self.reader.label(index))
+        return np.where(usable, colour, np.float32(0))
+
+    def _decoded(self, colour: NDArray[Any]) -> NDArray[Any]:
+        """Linear radiance of stored colours, grey ones as grey in every channel where the space needs three."""
+        if self.space not in (AS_STORED, SRGB):
+            colour = np.broadcast_to(colour, (*colour.shape[:2], 3))
+        try:
+            return decode(colour, self.space)
+        except ValueError as error:
+            raise FrameError(f"{self.reader.name}: {error}") from error
 
     def coverage(self, index: int) -> Image:
         """[H, W] 1 where the alpha lets a pixel be measured, else 0."""
         alpha = self._read(index)[..., -1]
-        enough = alpha > 0 if self._look.alpha == "unpremultiply" else alpha >= WHOLE
+        enough = alpha > 0 if self.look.alpha == "unpremultiply" else alpha >= _OPAQUE
         return enough.astype(np.float32)
 
     def quantisation(self, indices: Iterable[int], domain: Domain, display: Display) -> list[float | None]:
         """Mean squared errors of rounding some frames to stored codes, radiance^2; None for 32-bit floats."""
         return [
             quantisation_floor(
-                self._read(index)[..., : len(self.channels)],
+                self._quantised(index),
                 stored_as=self.stored_as,
                 space=self.space,
                 domain=domain,
@@ -107,6 +148,11 @@ class Source:
             )
             for index in indices
         ]
+
+    def _quantised(self, index: int) -> Image:
+        """Stored colours [H, W, 3 or 1] as `decode` takes them, 0 where they are no finite number."""
+        colour = np.nan_to_num(self._read(index)[..., : len(self.channels)], nan=0, posinf=0, neginf=0)
+        return colour if self.space in (AS_STORED, SRGB) else np.broadcast_to(colour, (*colour.shape[:2], 3))
 
     @property
     def _channels_read(self) -> tuple[str, ...]:
@@ -120,7 +166,7 @@ class Source:
         width, height = self.reader.header.size
         if pixels.shape[:2] != (height, width):
             raise FrameError(f"{self.reader.label(index)}: is not {width}x{height} px, as most frames are; {LEAVE_OUT}")
-        return self._look.crop.cut(pixels) if self._look.crop else pixels
+        return self.look.crop.cut(pixels) if self.look.crop else pixels
 
 
 class Mask:
@@ -134,21 +180,24 @@ class Mask:
         """[H, W], 0 or 1. Raises FrameError."""
         index = index if len(self.reader.numbers) > 1 else 0
         pixels = self.reader.read(index, 0, self.reader.header.parts[0].channels[:1])[..., 0]
-        check_finite(pixels, self.reader.label(index))
+        check_usable(pixels, self.reader.label(index))
         inside = (pixels > 0.5).astype(np.float32)
         return np.asarray(self._crop.cut(inside) if self._crop else inside)
 
 
-def check_finite(pixels: Image, label: str) -> None:
-    """Raise FrameError naming the frame and the first pixel that is NaN or infinite."""
-    finite = np.isfinite(pixels)
-    if not finite.all():
-        bad = np.argwhere(~finite)
-        row, column = bad[0][:2]
-        raise FrameError(
-            f"{label}: holds {len(bad)} NaN or infinite values, the first at pixel x {column}, y {row}; mend the "
-            "frame, or leave it out with --skip-bad-frames"
-        )
+def check_usable(pixels: Image, label: str) -> None:
+    """Raise FrameError naming the frame and the first pixel that is NaN, infinite or too large to be measured."""
+    usable = np.abs(pixels) <= BRIGHTEST
+    if usable.all():
+        return
+    bad = np.argwhere(~usable)
+    place = f"the first at pixel x {bad[0][1]}, y {bad[0][0]}"
+    finite = pixels[~usable][np.isfinite(pixels[~usable])]
+    what = f"values of up to {np.abs(finite).max():.3g}" if len(finite) == len(bad) else "NaN or infinite values"
+    raise FrameError(
+        f"{label}: holds {len(bad)} {what}, {place}; mend the frame, mask the place with --mask, or leave it out with "
+        "--skip-bad-frames"
+    )
 
 
 def check_crop(crop: Box | None, size: tuple[int, int], name: str) -> None:

@@ -1,7 +1,7 @@
 """What is measured: opened frames, which of them are good, where they are covered, and how they move."""
 
-import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +11,16 @@ from swimlab.footage.check.jitter import estimate_jitter
 from swimlab.footage.check.picture import write_region
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.check.verdict import Verification
+from swimlab.footage.depth import Depth
 from swimlab.footage.header import LOSSY
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
-from swimlab.footage.pattern import frame_range
+from swimlab.footage.pattern import frame_range, parse_pattern
 from swimlab.footage.reader import Reader, open_frames
+from swimlab.footage.reference import curve_between, open_reference
 from swimlab.footage.request import ESTIMATE, Request
-from swimlab.footage.source import Mask, Source
+from swimlab.footage.source import Look, Mask, Source
 from swimlab.footage.verify import verify
 from swimlab.runs.frames import FrameError, Image
 
@@ -38,9 +40,12 @@ class Subject:
         warn: Callable[[str], None],
         *,
         pictures: Path | None = None,
+        like: "Subject | None" = None,
     ) -> None:
         """say, warn: called with what a reader of the scores should know, and with what may make them wrong.
 
+        like: another build of the same shot, of the same reference, motion and mask: what is known of it is not found
+        again.
         pictures: folder for a picture of where the motion does not fit, which is written before anything is raised.
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
@@ -52,26 +57,59 @@ class Subject:
         self.test = Source(open_frames(request.test, frames=request.frames), look)
         self.reference = None
         if request.reference is not None:
-            self.reference = Source(open_frames(request.reference, frames=request.frames), look)
-            self._match(self.reference.reader, "reference")
-        if look.alpha != "ignore" and not any(source and source.has_coverage for source in (self.test, self.reference)):
-            raise FrameError(f"--alpha {look.alpha}: {self.test.reader.name} has no alpha")
+            reader = open_frames(request.reference, frames=request.frames)
+            self._match(reader, "reference")
+            self.reference = open_reference(reader, request.reference_look, self.test)
+            if self.reference.space != self.test.space:
+                say(f"the test is taken as {self.test.space}, the reference as {self.reference.space}")
+        self._check_alpha()
         self.mask = None
         if request.mask is not None:
             self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
             self._match(self.mask.reader, "mask", still=True)
+        self.depth = None
+        if request.depth is not None:
+            self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
+            self._match(self.depth.reader, "depth")
         self._warn_of_loss()
+        for source in filter(None, (self.test, self.reference)):
+            source.measured = self._stated_coverage()
         self.kept = self._good_frames()
         if len(self.kept) < 2:
             raise FrameError(f"{request.test}: has {len(self.kept)} frame to measure; change in time needs at least 2")
+        self._check_measured()
+        self.like = like if like is not None and self._moves_as(like) else self
+        """The first build whose motion, coverage and reference are this one's."""
+        if self.like is self:
+            self._find_motion(pictures)
+        else:
+            self._take_motion(self.like)
+        self._compare_curves()
+
+    def _find_motion(self, pictures: Path | None) -> None:
+        noted = len(self.notes)
         moving = open_motion(
-            request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=say
+            self.request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=self._say
         )
         self.motion_kind, self.motion, self.motion_size = moving
-        if request.motion_jitter == ESTIMATE:
+        if self.request.motion_jitter == ESTIMATE:
             self.motion = self._without_estimated_jitter()
         self.checked = self._verify(pictures)
         """How well the motion fits the frames."""
+        self._of_motion = self.notes[noted:]
+
+    def _take_motion(self, other: "Subject") -> None:
+        self.motion_kind, self.motion, self.motion_size = other.motion_kind, other.motion, other.motion_size
+        self.checked = other.checked
+        self.notes += other._of_motion
+
+    def _moves_as(self, other: "Subject") -> bool:
+        """Whether motion, coverage and reference are those of another build: no part of them is of the tests."""
+        if self.reference is None or other.reference is None or self.test.has_coverage or other.test.has_coverage:
+            return False
+        mine, others = (replace(each.request, test="", look=Look()) for each in (self, other))
+        read, reads = ((each.part, each.channels, each.space, each.look) for each in (self.reference, other.reference))
+        return mine == others and read == reads and self.kept == other.kept and self.test.shape == other.test.shape
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""
@@ -87,7 +125,8 @@ class Subject:
     def name(self) -> str:
         """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
         path = Path(self.request.test)
-        bare = re.sub(r"[-._]*(?:[-\d,x:]*-[-\d,x:]*)?(?:#+|%0?\d*d)", "", path.stem)
+        pattern = parse_pattern(path)
+        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
         return bare or path.absolute().parent.name or "frames"
 
     @property
@@ -96,7 +135,7 @@ class Subject:
         return self.request.fps or self.test.reader.header.fps or FPS
 
     def _clip(self, source: Source, *, moving: bool) -> Clip:
-        kept, motion = self.kept, self.motion
+        kept, motion, depth = self.kept, self.motion, self.depth
 
         def moved(t: int) -> Image:
             if t == 0:
@@ -112,20 +151,50 @@ class Subject:
             fps=self.fps,
             motion=(uniform or moved) if moving else (0.0, 0.0),
             coverage=None if coverage is None else lambda t: coverage(kept[t]),
+            depth=None if depth is None else lambda t: depth.distance(kept[t]),
             pixels_per_degree=self.request.pixels_per_degree,
             luminance=self.request.luminance,
             cuts=tuple(kept.index(cut) for cut in self.checked.cuts),
         )
 
-    def _coverage(self) -> Callable[[int], Image] | None:
+    def _stated_coverage(self) -> Callable[[int], Image] | None:
         """Where frames are measured, by mask, test and reference."""
         givers = [each.coverage for each in (self.test, self.reference) if each and each.has_coverage]
         givers += [self.mask.coverage] if self.mask is not None else []
-        if self.motion.known(self.kept[1], self.kept[0]) is not None:
-            givers.append(self._known)
-        if not givers:
-            return None
-        return lambda index: np.minimum.reduce([giver(index) for giver in givers])
+        return _least(givers)
+
+    def _coverage(self) -> Callable[[int], Image] | None:
+        """Where frames are measured: that, and where their motion is known."""
+        stated = self._stated_coverage()
+        known = self.motion.known(self.kept[1], self.kept[0]) is not None
+        return _least([*filter(None, [stated]), *([self._known] if known else [])])
+
+    def _check_alpha(self) -> None:
+        """Raise FrameError where alpha is to be used and there is none."""
+        asked, own = self.request.look.alpha, self.request.reference_look.alpha
+        sources = list(filter(None, (self.test, self.reference)))
+        if asked not in (None, "ignore") and not any(source.has_coverage for source in sources):
+            raise FrameError(f"--alpha {asked}: {self.test.reader.name} has no alpha")
+        if own not in (None, "ignore") and self.reference is not None and not self.reference.has_coverage:
+            raise FrameError(f"--reference-alpha {own}: {self.reference.reader.name} has no alpha")
+
+    def _check_measured(self) -> None:
+        """Raise FrameError where mask and alpha leave nothing to measure."""
+        coverage = self._stated_coverage()
+        if coverage is not None and not any(coverage(index).any() for index in self.sampled()):
+            raise FrameError(
+                f"{self.test.reader.name}: no pixel is to be measured: the mask is nowhere above 0.5 or the alpha "
+                "nowhere 1; mend it, or leave out --mask and --alpha"
+            )
+
+    def _compare_curves(self) -> None:
+        """Warn where test and reference differ by a transfer curve."""
+        if self.reference is not None:
+            index, coverage = self.kept[len(self.kept) // 2], self._coverage()
+            text = curve_between(self.test, self.reference, index, None if coverage is None else coverage(index))
+            if text:
+                self.notes.append(text)
+                self._warn(text)
 
     def _known(self, index: int) -> Image:
         """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""
@@ -176,14 +245,15 @@ class Subject:
         problems: dict[int, str] = {}
         for source in (self.test, self.reference):
             problems = (source.problems() if source is not None else {}) | problems
+        problems |= self.depth.problems() if self.depth is not None else {}
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
             problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
-        count = len(self.test.reader.numbers)
+        there = self._times()
         if not self.request.skip_bad_frames:
             if problems:
                 raise FrameError(problems[min(problems)])
-            return list(range(count))
-        for index in range(count):
+            return there
+        for index in there:
             for source in (self.test, self.reference):
                 if source is not None and index not in problems:
                     try:
@@ -193,7 +263,19 @@ class Subject:
         skipped = [self.test.reader.numbers[index] for index in sorted(problems)]
         if skipped:
             self.note(f"{len(skipped)} bad frames are left out: {frame_range(skipped)}")
-        return [index for index in range(count) if index not in problems]
+        return [index for index in there if index not in problems]
+
+    def _times(self) -> list[int]:
+        """Indices at which all inputs have a frame: a video's time stamps may leave some out."""
+        readers = [source.reader for source in (self.test, self.reference, self.mask) if source is not None]
+        gaps: frozenset[int] = frozenset().union(*(reader.gaps for reader in readers))
+        count = len(self.test.reader.numbers)
+        if gaps:
+            self.note(
+                f"frames are shown at uneven times: {count - len(gaps)} of {count} times at {self.fps:g} frames a "
+                "second have one; the motion is that of such a time"
+            )
+        return [index for index in range(count) if index not in gaps]
 
     def _match(self, reader: Reader, what: str, *, still: bool = False) -> None:
         """Raise FrameError where an input has another size or number of frames than the test."""
@@ -228,3 +310,8 @@ class Subject:
         """Keep what a reader should know for the scores, and say it."""
         self.notes.append(text)
         self._say(text)
+
+
+def _least(givers: Sequence[Callable[[int], Image]]) -> Callable[[int], Image] | None:
+    """The least of several coverages, None where there is none."""
+    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None

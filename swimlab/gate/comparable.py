@@ -16,7 +16,7 @@ def hashed(entry: Entry) -> dict[str, Any]:
     The bytes of map files, which are hashed as well, are left out.
     """
     found = settings_of(entry)
-    if found and entry.folder is not None:
+    if found and entry.folder is not None and "settings" not in entry.provenance:
         return {"swimlab": Record.read(entry.folder).provenance.get("swimlab"), **found}
     return found
 

@@ -1,17 +1,18 @@
 """Where a failing score is worst: the frame, the region, and a picture of it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from swimlab.footage.pictures import open_pictures
 from swimlab.report.contact import GAP, PAPER, write
 from swimlab.report.display import COVERED, ERROR_RANGE, Picture, srgb
 from swimlab.runs.entries import Entry
 from swimlab.runs.files import replacing
-from swimlab.runs.frames import frame_path, png, read_frame
+from swimlab.runs.frames import FrameError, Image, png
 from swimlab.runs.record import REFERENCE, Record
 
 CHANGES = {"flicker", "plane", "residual", "visible"}
@@ -52,13 +53,17 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
         own = "settings" in entry.provenance
         why = "your own frames are not in a run folder" if own else "no run folder lies beside the scores"
         return Evidence(frame, lacking=why)
-    test, reference = (frame_path(entry.folder, name, frame) for name in (entry.technique, REFERENCE))
-    gone = [path for path in (test, reference) if not path.is_file()]
-    if gone:
-        return Evidence(frame, lacking=f"{gone[0]} is gone")
+    record = Record.read(entry.folder)
+    if REFERENCE not in record.techniques:
+        return Evidence(frame, lacking="there is no reference")
+    pictures = open_pictures(entry.folder, record)
+    try:
+        test, reference = (pictures.read(name, frame) for name in (entry.technique, REFERENCE))
+    except FrameError as error:
+        return Evidence(frame, lacking=str(error))
     region = worst_region(test, reference)
     crop = entry.folder / "gate" / f"{entry.sequence}-{entry.technique}-{metric}.png"
-    write_crop(crop, test, reference, region)
+    write_crop(crop, {entry.technique: test, REFERENCE: reference}, region)
     return Evidence(frame, region, crop)
 
 
@@ -96,10 +101,9 @@ ENLARGED = 4
 HEADER = 24
 
 
-def worst_region(test: Path, reference: Path) -> Region:
+def worst_region(test: Image, exact: Image) -> Region:
     """The square (x, y, width, height) of the largest squared error, over wholly covered pixels."""
-    exact = read_frame(reference)
-    squared = np.square(read_frame(test)[..., :3].astype(np.float64) - exact[..., :3]).sum(axis=2)
+    squared = np.square(test[..., :3].astype(np.float64) - exact[..., :3]).sum(axis=2)
     squared[exact[..., 3] < COVERED] = 0.0
     height, width = squared.shape
     w, h = min(SIDE, width), min(SIDE, height)
@@ -109,20 +113,17 @@ def worst_region(test: Path, reference: Path) -> Region:
     return int(x), int(y), w, h
 
 
-def write_crop(path: Path, test: Path, reference: Path, region: Region) -> None:
-    """Write a region as PNG, enlarged pixel by pixel: picture, reference, and their difference.
+def write_crop(path: Path, pictures: Mapping[str, Image], region: Region) -> None:
+    """Write a region of two pictures as PNG, enlarged pixel by pixel: picture, reference, and their difference.
 
     Pictures are sRGB at exposure 1. The difference is grey where there is none; a channel is 255 where the picture
     is brighter by ERROR_RANGE of linear radiance and 1 where it is darker by as much, in any frame.
     """
     x, y, width, height = region
-    cut, exact = (read_frame(each)[y : y + height, x : x + width, :3] for each in (test, reference))
+    cuts = {name: each[y : y + height, x : x + width, :3] for name, each in pictures.items()}
+    cut, exact = cuts.values()
     error = np.rint(np.clip((cut - exact) / ERROR_RANGE, -1, 1) * 127 + 128).astype(np.uint8)
-    panels = {
-        test.parent.name: srgb(cut),
-        reference.parent.name: srgb(exact),
-        f"error +-{ERROR_RANGE:g}": error,
-    }
+    panels = {**{name: srgb(each) for name, each in cuts.items()}, f"error +-{ERROR_RANGE:g}": error}
     with replacing(path) as temporary:
         temporary.write_bytes(png(_sheet(panels)))
 

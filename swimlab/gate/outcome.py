@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from metrics.display import Domain
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
 from swimlab.gate.judge import Check, Status, exit_code, governed, judge
@@ -17,6 +18,7 @@ from swimlab.render.run import render_run
 from swimlab.runs.entries import Entry, read_all, read_entries
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
+from swimlab.scoring.brought import measure_brought
 from swimlab.scoring.measure import measure_run
 
 VERSION = 1
@@ -135,8 +137,18 @@ def render_and_measure(
     """Render techniques of a sequence beside the reference into a run folder, and measure them.
 
     only: names of techniques, None: all. size: width and height in px. frames: as "0-7". samples: of the reference,
-    a pixel. Raises what `load`, `render_run` and `measure_run` do, and GateError for an unknown technique.
+    a pixel. A shot file is measured as it is: only names builds. Raises what `load`, `render_run` and `measure_run` do,
+    and GateError for an unknown technique or build.
     """
+    if is_shot(sequence):
+        shot, path = load_shot(Path(sequence)), Path(sequence)
+        requests = shot.requests(path.parent, domain)
+        lacking = [name for name in only or () if name not in requests]
+        if lacking:
+            raise GateError(f"build {lacking[0]!r}: {path} has {', '.join(requests)}")
+        wanted = {name: requests[name] for name in only or requests}
+        measure_brought(wanted, run, sequence=shot.name, command=COMMAND)
+        return
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:
         raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")

@@ -6,7 +6,6 @@ from os import PathLike, fspath
 from typing import Any
 
 from metrics.display import STANDARD, Display, Domain
-from swimlab.footage.colour import ColourSpace
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.jitter import Side
 from swimlab.footage.request import Request
@@ -14,7 +13,7 @@ from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.footage.subject import Subject
 from swimlab.notebook.scores import Scores
 from swimlab.runs.frames import FrameError
-from swimlab.scoring.footage import measure_subject
+from swimlab.scoring.footage import measure_builds
 
 Name = str | PathLike[str]
 """A pattern with #### or %04d, a folder, a file or a video."""
@@ -63,8 +62,11 @@ def measure_frames(
     frames: str | None = None,
     mask: Name | None = None,
     channels: str | None = None,
-    colour_space: ColourSpace = "auto",
-    alpha: AlphaUse = "ignore",
+    colour_space: str | None = None,
+    alpha: AlphaUse | None = None,
+    part: str | None = None,
+    reference_look: Look | None = None,
+    motion_part: str | None = None,
     crop: tuple[int, int, int, int] | None = None,
     domain: Domain = "linear",
     display: Display = STANDARD,
@@ -80,7 +82,8 @@ def measure_frames(
     vectors, "estimate", or None where nothing moves. convention: what the vectors mean: a name of
     `swimlab list conventions`, or a Convention. motion_mask: where vectors are valid, above 0.5. motion_jitter: text
     file of the frames' jitter, which the vectors alone or the frames alone have. fps: None: the file's own, else 60.
-    frames: range as "1-48". crop: x, y, width, height, px. unverified: measure though the motion does not fit the
+    frames: range as "1-48". channels, colour_space, alpha, part: how the test is read; reference_look: the same of the
+    reference, where it differs. crop: x, y, width, height, px. unverified: measure though the motion does not fit the
     frames.
     The notes say where the motion cannot be verified. Raises FrameError naming the file, frame or setting that is
     wrong, and how to mend it.
@@ -92,7 +95,9 @@ def measure_frames(
         mask=None if mask is None else fspath(mask),
         fps=fps,
         frames=frames,
-        look=Look(channels=channels, colour_space=colour_space, alpha=alpha, crop=None if crop is None else Box(*crop)),
+        look=Look(channels, colour_space, alpha, part, None if crop is None else Box(*crop)),
+        reference_look=reference_look or Look(),
+        motion_part=motion_part,
         convention=_convention(convention),
         motion_mask=None if motion_mask is None else fspath(motion_mask),
         motion_jitter=None if motion_jitter is None else fspath(motion_jitter),
@@ -105,7 +110,7 @@ def measure_frames(
         luminance=luminance,
     )
     subject = Subject(request, lambda _: None, lambda _: None)
-    return Measured(measure_subject(subject, peers=peers, command="swimlab.measure_frames"))
+    return Measured(measure_builds({"test": subject}, peers=peers, command="swimlab.measure_frames"))
 
 
 def _motion(motion: Name | tuple[float, float] | None) -> str | None:

@@ -13,6 +13,7 @@ import numpy as np
 import sequences
 from metrics import Clip
 from metrics.display import Domain
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.notebook.picture import GAP, Codes, Panel, Picture, enlarge, error_colours, scale_bar, sheet
 from swimlab.notebook.scores import Scores
 from swimlab.render.plan import check_threads, make_plan
@@ -21,10 +22,11 @@ from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
 from swimlab.report.page import write_report
 from swimlab.report.recorded import open_run as open_recorded
-from swimlab.runs.clips import read_clip
-from swimlab.runs.frames import Image, frame_path, read_frame
+from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import read_scores, run_folders
+from swimlab.scoring.brought import measure_brought
+from swimlab.scoring.clips import run_clip
 from swimlab.scoring.measure import measure_run
 
 SCALE_BAR = 160
@@ -45,6 +47,7 @@ class Study:
         self._record = Record.read(folder)
         self._content = read_scores(folder)
         run = open_recorded(folder)
+        self._pictures = run.pictures
         self.sequence, self.techniques, self.frames = run.sequence, run.techniques, run.frames
 
     @property
@@ -81,7 +84,7 @@ class Study:
         for what, wanted, there in (("technique", technique, self.techniques), ("frame", frame, self.frames)):
             if wanted not in there:
                 raise RunError(f"{self.folder}: has no {what} {wanted}; it has {', '.join(map(str, there))}")
-        return read_frame(frame_path(self.folder, technique, frame))
+        return self._pictures.read(technique, frame)
 
     def clip(self, technique: str = REFERENCE) -> Clip:
         """All frames of a technique with motion, coverage and depth, as `metrics.measure` takes them.
@@ -91,7 +94,7 @@ class Study:
         self.frame(technique)
         if self._record.resizes:
             raise RunError(f"{self.sequence}: its frames have different sizes, which no clip can have")
-        return read_clip(self.folder, self._record, technique, list(self.frames))
+        return run_clip(self.folder, self._record, technique)
 
     def detail(self, size: tuple[int, int] = (48, 32), frame: int | None = None) -> Region:
         """x, y, width and height of the part of a frame, of that size, where the techniques differ most, px."""
@@ -206,7 +209,8 @@ def study(
 ) -> Study:
     """Render techniques of a sequence beside the reference, measure them, and return them as a study.
 
-    sequence: a name from the library, a .toml file, or a sequences.Sequence. techniques: None: all. size: width and
+    sequence: a name from the library, a .toml file, or a sequences.Sequence; of a shot file, techniques are builds, and
+    what is about rendering has no meaning. techniques: None: all. size: width and
     height in px. frames: as "0-7". samples: of the reference, a pixel, a square number. output: the run folder, which
     is resumed as by `swimlab render`; None: a temporary one, removed when Python ends. threads: None: one a core.
     force: render again, over what the folder holds. Raises SequenceError, RunError or MapError naming what is wrong.
@@ -214,11 +218,25 @@ def study(
     check_threads(threads)
     if domain not in get_args(Domain):
         raise RunError(f"domain {domain!r}: choose one of {', '.join(get_args(Domain))}")
+    if isinstance(sequence, str | Path) and is_shot(sequence):
+        return _study_shot(Path(sequence), techniques, output, domain)
     names = None if techniques is None else [*listed(techniques), REFERENCE]
     plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
     folder = _temporary(plan.sequence.name) if output is None else Path(output)
     render_run(plan, folder, force=force, threads=threads, command="swimlab.study")
     measure_run(folder, domain=domain, command="swimlab.study")
+    return Study(folder)
+
+
+def _study_shot(path: Path, builds: str | Sequence[str] | None, output: str | Path | None, domain: Domain) -> Study:
+    shot = load_shot(path)
+    requests = shot.requests(path.parent, domain)
+    wanted = list(requests) if builds is None else listed(builds)
+    unknown = [name for name in wanted if name not in requests]
+    if unknown:
+        raise RunError(f"{unknown[0]}: no such build in {path}; it has {', '.join(requests)}")
+    folder = _temporary(shot.name) if output is None else Path(output)
+    measure_brought({name: requests[name] for name in wanted}, folder, sequence=shot.name, command="swimlab.study")
     return Study(folder)
 
 

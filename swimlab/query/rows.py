@@ -133,8 +133,8 @@ def _run(name: str, record: Record, entries: Sequence[Entry]) -> Row:
         *sequence["size"],
         sequence["fps"],
         len(record.frames),
-        settings["samples"],
-        settings["half"],
+        settings.get("samples"),
+        settings.get("half"),
         *_provenance(about),
         json.dumps(sequence),
     )

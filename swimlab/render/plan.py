@@ -12,7 +12,8 @@ from typing import Any
 from fileseq.exceptions import ParseException
 from fileseq.frameset import FrameSet
 
-from sequences import Sequence, load
+from metrics.ocio import find_view
+from sequences import Sequence, SequenceError, load
 from swimlab.render.catalogue import brdf_settings, technique_settings, techniques
 from swimlab.render.settings import Settings
 from swimlab.runs.provenance import SWIMLAB
@@ -71,11 +72,17 @@ def _changed(settings: Settings) -> dict[str, Any]:
 
 
 def load_sequence(name: str | Path) -> Sequence:
-    """A sequence by name or file, checked against the known techniques and reflectance models.
+    """A sequence by name or file, checked against the known techniques, reflectance models and display views.
 
-    Raises SequenceError with every problem at once.
+    Raises SequenceError with every problem at once; a view is looked up when there is no other.
     """
-    return load(name, technique_settings=technique_settings(), brdfs=brdf_settings())
+    loaded = load(name, technique_settings=technique_settings(), brdfs=brdf_settings())
+    if loaded.display.view is not None:
+        try:
+            find_view(loaded.display.view)
+        except ValueError as error:
+            raise SequenceError([f"{name}: display.view: {error}"]) from error
+    return loaded
 
 
 def make_plan(

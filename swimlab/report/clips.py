@@ -10,7 +10,7 @@ import numpy as np
 
 from swimlab.report.display import error_codes, srgb, webp
 from swimlab.report.recorded import Run
-from swimlab.runs.frames import Image, frame_path, read_frame
+from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE
 
 BUDGET = 18_500_000
@@ -113,11 +113,10 @@ def encode(run: Run, frame: int, region: Region | None) -> Clip:
 
 
 def _read(run: Run, technique: str, frame: int, region: Region | None) -> Image:
-    path = frame_path(run.folder, technique, frame)
     if region is None:
-        return read_frame(path)
+        return run.pictures.read(technique, frame)
     x, y, width, height = region
-    return read_frame(path, rows=(y, y + height))[:, x : x + width]
+    return run.pictures.read(technique, frame, rows=(y, y + height))[:, x : x + width]
 
 
 def liveliest(run: Run, entries: Sequence[Mapping[str, Any]]) -> int:

@@ -10,7 +10,7 @@ from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import Picture, srgb
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.runs.files import replacing
-from swimlab.runs.frames import Image, frame_path, png, read_frame
+from swimlab.runs.frames import Image, png
 
 CELL = (256, 144)
 ENLARGED = 4
@@ -36,7 +36,7 @@ def write_contact_sheet(run: Path, destination: Path, *, techniques: Sequence[st
     region = disputed_region(opened, frames[0], (CELL[0] // ENLARGED, CELL[1] // ENLARGED))
     sheet = np.empty((HEADER + len(techniques) * (CELL[1] + GAP), column(1 + len(frames)), 3), np.uint8)
     sheet[:] = PAPER
-    stops = exposure(read_frame(frame_path(run, techniques[-1], frames[0])))
+    stops = exposure(opened.pictures.read(techniques[-1], frames[0]))
     for place, heading in enumerate(
         [f"whole frame, {stops:+d} EV", *(f"frame {frame}, x{ENLARGED}" for frame in frames)]
     ):
@@ -44,7 +44,7 @@ def write_contact_sheet(run: Path, destination: Path, *, techniques: Sequence[st
     for row, name in enumerate(techniques):
         top = HEADER + row * (CELL[1] + GAP)
         write(sheet, name, (6, top + CELL[1] // 2))
-        pictures = [srgb(2.0**stops * read_frame(frame_path(run, name, frame))[..., :3]) for frame in frames]
+        pictures = [srgb(2.0**stops * opened.pictures.read(name, frame)[..., :3]) for frame in frames]
         for place, cell in enumerate([overview(pictures[0], region), *(enlarge(p, region) for p in pictures)]):
             sheet[top : top + CELL[1], column(place) : column(place) + CELL[0]] = cell
     with replacing(destination) as temporary:

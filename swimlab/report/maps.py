@@ -11,7 +11,6 @@ from swimlab.report.figures import Figure
 from swimlab.report.plane_slice import plane_slice
 from swimlab.report.recorded import Run
 from swimlab.report.spectrum_maps import peaks_of, spectrum_map, stripes
-from swimlab.runs.frames import frame_path, read_frame
 from swimlab.runs.record import REFERENCE
 
 Entry = Mapping[str, Any]
@@ -62,7 +61,7 @@ def maps(run: Run, entries: Sequence[Entry]) -> Maps:
 
 def _on_picture(run: Run, entry: Entry, region: Region) -> Figure:
     x, y, width, height = region
-    rgba = read_frame(frame_path(run.folder, entry["technique"], run.frames[0]))[y : y + height, x : x + width]
+    rgba = run.pictures.read(entry["technique"], run.frames[0])[y : y + height, x : x + width]
     picture = f"data:image/webp;base64,{webp(srgb(rgba[..., :3]))}"
     return Figure(
         "Stripes of the peaks on the picture",

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swimlab.footage.pictures import Pictures, open_pictures
 from swimlab.runs.record import REFERENCE, Record
 
 
@@ -24,6 +25,7 @@ class Run:
     settings: dict[str, Any]
     provenance: dict[str, Any]
     resizes: bool
+    pictures: Pictures
 
 
 def open_run(folder: Path) -> Run:
@@ -39,4 +41,5 @@ def open_run(folder: Path) -> Run:
         settings=record.sequence,
         provenance=record.provenance,
         resizes=record.resizes,
+        pictures=open_pictures(folder, record),
     )

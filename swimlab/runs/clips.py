@@ -1,9 +1,10 @@
 """A run folder's files as clips: pictures, motion, coverage and depth, read frame by frame."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -73,10 +74,18 @@ def reference_error(run: Path, frames: Sequence[int]) -> Callable[[int], Image]:
 
 
 def display_of(record: Record) -> Display:
-    """How the run's sequence says that radiance is shown."""
-    table = dict(record.sequence.get("display", {}))
-    bloom = Bloom(**table.pop("bloom", {}))
-    return Display(**table, bloom=bloom, seed=record.sequence["seed"])
+    """How the run's sequence says that radiance is shown. Raises RunError for a view that no configuration has."""
+    return shown_by(record.sequence["name"], record.sequence.get("display", {}), record.sequence["seed"])
+
+
+def shown_by(name: str, table: Mapping[str, Any], seed: int) -> Display:
+    """What a [display] table of a sequence or shot says; seed: of the dither. Raises RunError as `display_of` does."""
+    given = dict(table)
+    bloom = Bloom(**given.pop("bloom", {}))
+    try:
+        return Display(**given, bloom=bloom, seed=seed)
+    except ValueError as error:
+        raise RunError(f"{name}: display: {error}") from error
 
 
 def check_complete(run: Path, names: Iterable[str], frames: Iterable[int]) -> None:

@@ -77,7 +77,7 @@ def differences(before: Entry, after: Entry) -> list[Difference]:
 
 def settings_of(entry: Entry) -> dict[str, Any]:
     """All settings of the rendering, or of frames that swimlab did not render, flat; empty where they are not known."""
-    if entry.folder is None:
+    if entry.folder is None or "settings" in entry.provenance:
         return dict(flat(entry.provenance.get("settings", {})))
     record = Record.read(entry.folder)
     settings = dict(flat(record.sequence | record.settings))

@@ -126,6 +126,8 @@ def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: 
     sequence = str(content["sequence"])
     frames, curves = content.get("frames", []), content.get("curves", {})
     folder = _folder(path.parent, sequence, digest)
+    if "hash" in content:  # builds of a shot have settings of their own
+        digest, provenance = content["hash"], {**provenance, "settings": content["settings"]}
     return Entry(
         sequence=sequence,
         technique=str(content["technique"]),

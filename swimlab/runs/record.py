@@ -21,6 +21,10 @@ The error has the precision of the pictures: halves where the pictures are halve
 """
 
 
+RESERVED = (REFERENCE, GEOMETRY, ERROR)
+"""What no technique and no build may be called."""
+
+
 class RunError(ValueError):
     """A run that cannot be used as asked; the message says why and how to mend it."""
 
@@ -34,6 +38,8 @@ class Record:
         were shaded for it, and over how many frames.
     code: for each technique from a folder of your own, the hash of its file.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
+    inputs: of frames that were brought and stay where they are: input ("build NAME", "reference", ...) -> its name, and
+        its files' paths, sizes (bytes), times (ns) and hashes.
     """
 
     sequence: dict[str, Any]
@@ -47,10 +53,12 @@ class Record:
     times: dict[str, dict[str, float]] = field(default_factory=dict)
     code: dict[str, str] = field(default_factory=dict)
     reference_rms_error: dict[str, float] = field(default_factory=dict)
+    inputs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def write(self, run: Path) -> None:
         """Write RUN/run.json."""
-        write_json(run / "run.json", {"version": VERSION, **vars(self)})
+        content = {key: value for key, value in vars(self).items() if key != "inputs" or value}
+        write_json(run / "run.json", {"version": VERSION, **content})
 
     @staticmethod
     def read(run: Path) -> "Record":

@@ -64,10 +64,34 @@ def write_scores(
         "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
         "sequences": entries,
     }
+    write_content(run, scores)
+    return scores
+
+
+def write_brought(run: Path, record: Record, scores: dict[str, Any]) -> None:
+    """Write the run folder of brought frames, of which there was nothing before they were measured.
+
+    Raises RunError where the folder holds a rendered run.
+    """
+    refuse_rendered(run)
+    (run / "scores.json").unlink(missing_ok=True)  # of other frames, if this is interrupted
+    record.write(run)
+    write_content(run, scores)
+
+
+def refuse_rendered(run: Path) -> None:
+    """Raise RunError where frames cannot be measured into a folder: it is a file, or holds a rendered run."""
+    if run.is_file():
+        raise RunError(f"--output {run}: is a file; name a folder, or a file that ends in .json")
+    if (run / "run.json").is_file() and not Record.read(run).inputs:
+        raise RunError(f"--output {run}: holds a rendered run; name another folder")
+
+
+def write_content(run: Path, scores: dict[str, Any]) -> None:
+    """Write scores.json and frames.csv into a run's folder."""
     clear_leftovers(run)
     write_json(run / "scores.json", scores)
-    write_text(run / "frames.csv", frames_table(entries))
-    return scores
+    write_text(run / "frames.csv", frames_table(scores["sequences"]))
 
 
 def frames_table(entries: list[dict[str, Any]]) -> str:

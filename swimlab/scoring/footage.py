@@ -2,36 +2,97 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from metrics import Alignment, ReferenceFrames, align
+from metrics.kernels.launch import Launcher
+from swimlab.footage.colour import AUTO
 from swimlab.footage.request import ESTIMATE
 from swimlab.footage.subject import Subject
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
 from swimlab.scoring.score import entry_of, score_clip
+from swimlab.scoring.techniques import KEPT_BYTES
 
 
-def measure_subject(
-    subject: Subject,
+def measure_builds(
+    builds: Mapping[str, Subject],
     *,
+    sequence: str | None = None,
     peers: Sequence[str] = (),
     device: str = "cpu",
     command: str = "",
     advance: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
-    """Measure frames and return scores in the form of scores.json.
+    """Measure builds of a shot, by name, and return scores in the form of scores.json.
 
-    advance: called with frames done and frames in all. Raises FrameError and ClipError naming the frame that is bad.
+    sequence: the shot's name; None: as the first build's files are called. advance: called with frames done and frames
+    in all, for each build. Raises FrameError and ClipError naming the frame that is bad.
     """
+    first = next(iter(builds.values()))
+    shared: dict[Subject, Shared] = {}
+    entries, of_builds = [], {}
+    for name, subject in builds.items():
+        if len(builds) > 1 and subject.like not in shared:
+            shared[subject.like] = _share(subject.like, device)
+        entry = _entry(
+            sequence or first.name, name, subject, shared.get(subject.like), peers=peers, device=device, advance=advance
+        )
+        settings = _settings(subject)
+        of_builds[name] = {"hash": hash_of(settings), "settings": settings}
+        entries.append(entry)
+    about: dict[str, Any] = {**provenance(command), "domain": first.request.domain}
+    if len(builds) == 1:
+        about |= of_builds[entries[0]["technique"]]
+    else:
+        about["hash"] = hash_of({name: each["hash"] for name, each in of_builds.items()})
+        entries = [entry | of_builds[entry["technique"]] for entry in entries]
+    return {"version": VERSION, "provenance": about, "sequences": entries}
+
+
+def hash_of(settings: Mapping[str, Any]) -> str:
+    """A hash of settings, 16 digits."""
+    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
+
+
+class Shared(NamedTuple):
+    """What builds of one motion, coverage and reference share: work that is done for the first."""
+
+    alignment: Alignment | None
+    reference: ReferenceFrames | None
+
+
+def _share(subject: Subject, device: str) -> Shared:
+    clip, reference = subject.clips()
+    height, width = subject.test.shape
+    fits = clip.count * width * height * 8 < KEPT_BYTES
+    request = subject.request
+    exact = None
+    if reference is not None:
+        exact = ReferenceFrames(reference, domain=request.domain, display=request.display, room=KEPT_BYTES)
+    return Shared(align(clip, launcher=Launcher(device=device)) if fits else None, exact)
+
+
+def _entry(
+    sequence: str,
+    name: str,
+    subject: Subject,
+    shared: Shared | None,
+    *,
+    peers: Sequence[str],
+    device: str,
+    advance: Callable[[int, int], None] | None,
+) -> dict[str, Any]:
     request = subject.request
     clip, reference = subject.clips()
     found = score_clip(
         clip,
-        reference,
+        shared.reference if shared is not None and shared.reference is not None else reference,
+        alignment=None if shared is None else shared.alignment,
         domain=request.domain,
         display=request.display,
         rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
@@ -46,19 +107,26 @@ def measure_subject(
     for note in found.notes:
         subject.note(note)
     numbers = [subject.test.reader.numbers[index] for index in subject.kept]
-    entry = entry_of(subject.name, "test", found, numbers, domain=request.domain, display=request.display)
+    entry = entry_of(sequence, name, found, numbers, domain=request.domain, display=request.display)
     checked = subject.checked.entry(lambda index: subject.test.reader.numbers[index])
-    entry |= {"motion": subject.motion_kind, "motion_check": checked, "notes": subject.notes}
-    settings = _settings(subject)
-    digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
-    about = {**provenance(command), "domain": request.domain, "hash": digest, "settings": settings}
-    return {"version": VERSION, "provenance": about, "sequences": [entry]}
+    return entry | {"motion": subject.motion_kind, "motion_check": checked, "notes": subject.notes}
 
 
 def _settings(subject: Subject) -> dict[str, Any]:
     """All that decides the scores but for the pixels, and for the display, which stands with the scores."""
     request = subject.request
     chosen = asdict(request)
+    look, reference_look, motion_part = chosen["look"], _said(chosen.pop("reference_look")), chosen.pop("motion_part")
+    chosen["look"] = _said(look) | {
+        "channels": look["channels"],
+        "colour_space": look["colour_space"] or AUTO,
+        "alpha": look["alpha"] or "ignore",
+        "crop": look["crop"],
+    }
+    chosen |= {"reference_look": reference_look} if reference_look else {}
+    chosen |= _said({"motion_part": motion_part})
+    depth = {name: chosen.pop(name) for name in ("depth", "depth_channels", "depth_part")}
+    chosen |= {"depth": True} | _said({key: depth[key] for key in depth if key != "depth"}) if depth["depth"] else {}
     for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
         chosen.pop(part_of_command)
     height, width = subject.test.shape
@@ -83,3 +151,8 @@ def _settings(subject: Subject) -> dict[str, Any]:
         "mask": request.mask is not None,
         "unverified": request.unverified,
     }
+
+
+def _said(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that are given."""
+    return {name: value for name, value in options.items() if value is not None}

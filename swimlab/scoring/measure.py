@@ -1,12 +1,15 @@
 """Measuring a run folder: its record says what it holds, its techniques are scored, the scores become files."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from metrics.display import Domain
+from swimlab.footage.brought import requests_of
 from swimlab.runs.record import REFERENCE, Record
 from swimlab.runs.scores import write_scores
+from swimlab.scoring.brought import measure_brought
 from swimlab.scoring.techniques import measure_techniques
 
 
@@ -28,6 +31,15 @@ def measure_run(
     damaged, ClipError where one cannot be measured, and PeerError for a peer that is not available.
     """
     record = Record.read(run)
+    if record.inputs:
+        changes: dict[str, Any] = {"domain": domain, **(viewing or {})}
+        requests = {name: replace(request, **changes) for name, request in requests_of(record).items()}
+        scores = measure_brought(
+            requests, run, sequence=record.sequence["name"], peers=peers, device=device, command=command
+        )
+        for name in requests:
+            advance(name)
+        return scores
     tests = [name for name in record.techniques if name != REFERENCE]
     entries = measure_techniques(
         run, record, tests, domain=domain, peers=peers, viewing=viewing, device=device, advance=advance

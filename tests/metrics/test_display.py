@@ -10,6 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from metrics import Bloom, Clip, Display, measure, measure_scales
 from metrics.display import encode, to_domain
+from metrics.ocio import view_names
 
 blooms = st.builds(Bloom, strength=st.floats(0, 1), threshold=st.floats(0, 10), radius=st.floats(1e-3, 1))
 displays = st.builds(
@@ -154,9 +155,57 @@ def test_dither_differs_by_channel_frame_and_seed_only():
     assert np.array_equal(first, Display(bits=2, dither=True).show(grey, 0))
 
 
+SRGB_SCREEN = "sRGB - Display/"
+
+
+def test_a_view_that_maps_no_tones_is_the_curve_of_its_display(tolerance):
+    light = np.random.default_rng(0).random((3, 8, 10)) * 1.5
+    shown = Display(view=SRGB_SCREEN + "Un-tone-mapped").show(light)
+    assert np.abs(shown - encode(light)).max() < tolerance("code of a view")
+    raw = Display(view=SRGB_SCREEN + "Raw", exposure=-1)
+    assert np.abs(raw.show(light) - light / 2).max() < tolerance("code of a view")
+
+
+def test_aces_shows_mid_grey_as_a_tenth_of_white(tolerance):
+    """ACES 2.0: .18 becomes 10 of 100 cd/m^2; grey stays grey, more light never gets darker, all of it fits."""
+    display = Display(view=SRGB_SCREEN + "ACES 2.0 - SDR 100 nits (Rec.709)")
+    assert display.curve(np.full((1, 3), 0.18)) == pytest.approx(float(encode(np.array(0.1))), abs=tolerance("ACES"))
+    stops = 2.0 ** np.arange(-10, 30, 0.5)[:, None]
+    codes = display.curve(stops)
+    assert codes.shape == (80, 3)
+    assert np.abs(np.diff(codes, axis=1)).max() < tolerance("ACES")
+    assert (np.diff(codes[:, 0]) > -tolerance("ACES")).all()
+    assert (codes >= 0).all()
+    assert (codes <= 1).all()
+
+
+def test_a_view_of_every_display_shows_all_radiance_as_codes():
+    random = np.random.default_rng(2)
+    light = 10.0 ** random.uniform(-8, 30, (3, 16, 16)) * random.choice([-1, 0, 1], (3, 16, 16), p=[0.1, 0.1, 0.8])
+    of_each = {name.partition("/")[0]: name for name in reversed(view_names())}
+    for name in of_each.values():
+        shown = Display(view=name).show(light)
+        assert ((shown >= 0) & (shown <= 1)).all()
+        assert np.array_equal(np.moveaxis(Display(view=name).curve(np.moveaxis(light, 0, -1)), -1, 0), shown)
+
+
+def test_exposure_bloom_and_quantisation_stand_around_a_view():
+    light = 4 * np.random.default_rng(3).random((3, 16, 16))
+    view = SRGB_SCREEN + "Un-tone-mapped"
+    bloom = Bloom(strength=0.5, threshold=0.5)
+    before = Display(view=SRGB_SCREEN + "Raw", bloom=bloom, exposure=-4).show(light)
+    assert np.array_equal(
+        np.round(Display(view=view, bloom=bloom, exposure=-4, bits=4).show(light) * 15),
+        np.round(np.floor(Display(view=view).show(before) * 15 + 0.5)),
+    )
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
+        ({"view": "sRGB/none"}, "no DISPLAY/VIEW 'sRGB/none'; "),
+        ({"view": SRGB_SCREEN + "Raw", "tone_map": "aces"}, "leave out tone_map and gamma"),
+        ({"view": SRGB_SCREEN + "Raw", "gamma": "sqrt"}, "leave out tone_map and gamma"),
         ({"tone_map": "filmic"}, "none, reinhard, aces"),
         ({"gamma": "2.2"}, "srgb, sqrt"),
         ({"exposure": float("nan")}, "stops"),

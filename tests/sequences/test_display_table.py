@@ -33,9 +33,17 @@ def test_every_key_is_read(read):
     assert found == Display(exposure=-1.5, tone_map="aces", gamma="sqrt", bits=8, dither=True, bloom=bloom)
 
 
+def test_a_view_stands_in_place_of_tone_map_and_gamma(read):
+    assert read('[display]\nview = "sRGB - Display/Raw"\nexposure = 1\n').display.view == "sRGB - Display/Raw"
+    assert read("").display.view is None
+
+
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
+        ('view = "sRGB - Display"', "display.view: .*pattern"),
+        ('view = "a/b"\ntone_map = "aces"', "display.view: .*remove tone_map and gamma"),
+        ('gamma = "sqrt"\nview = "a/b"', "display.view: .*remove tone_map and gamma"),
         ("exposure = 21", "display.exposure: .*less than or equal to 20"),
         ('tone_map = "filmic"', "display.tone_map: .*'none', 'reinhard' or 'aces'"),
         ("bits = 8.0", "display.bits: .*integer"),

@@ -264,7 +264,7 @@ CASES = {
     "a mask of another size": (
         small_mask, (*TEST, "--mask", "mask.exr"), "--mask mask.exr: is 8x8 px, the test 48x40 px",
     ),
-    "an unknown colour space": (nothing, (*TEST, "--colorspace", "aces"), "aces"),
+    "an unknown colour space": (nothing, (*TEST, "--colorspace", "acse"), "no colour space 'acse'"),
     "an unknown domain": (nothing, (*TEST, "--domain", "log"), "log"),
     "info of a pattern without files": (nothing, ("info", "god.####.exr"), "god.####.exr: no file matches"),
     "info of a file that is no picture": (no_picture, ("info", "bad.0001.exr"), "bad.0001.exr: cannot be opened"),

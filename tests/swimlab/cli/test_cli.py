@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from metrics.ocio import space_names, view_names
 from sequences import library
 from swimlab import __version__
 from swimlab.cli.doctor_command import CHECKS
@@ -238,6 +239,13 @@ def test_lists_name_all_there_is(swimlab, kind, names):
     assert first == list(names)
 
 
+@pytest.mark.parametrize("kind", ["colorspaces", "views"])
+def test_names_of_opencolorio_are_listed(swimlab, kind):
+    known = {"colorspaces": ("linear", "srgb", *space_names()), "views": view_names()}[kind]
+    rows = json.loads(swimlab("list", kind, "--json")[1])
+    assert [row[kind.removesuffix("s")] for row in rows] == list(known)
+
+
 def test_metrics_are_listed_with_unit_and_direction(swimlab):
     from metrics import METRICS
 
@@ -266,7 +274,7 @@ def test_sequences_are_listed_with_what_they_are(swimlab, monkeypatch):
 def test_a_list_of_nothing_names_its_choices(swimlab):
     code, out, err = swimlab("list")
     assert (code, out) == (2, "")
-    assert "techniques, sequences, brdfs, metrics, conventions" in err
+    assert "techniques, sequences, brdfs, metrics, conventions, colorspaces, views" in err
 
 
 def test_a_reader_that_is_gone_is_no_complaint():

@@ -1,5 +1,7 @@
 """Which files a name stands for."""
 
+import re
+
 import pytest
 
 from swimlab.footage.pattern import find_files, frame_range, holds_frames
@@ -41,6 +43,63 @@ def test_padding(folder, pattern, files):
     found = find_files(str(folder(*files, "shot.1.exr.bak", "other.0001.exr", "shot.00001.exr") / pattern))
     assert names(found) == files
     assert found.missing == ()
+
+
+@pytest.mark.parametrize(
+    ("files", "pattern"),
+    [
+        (["shot_020-0001.exr", "shot_020-0002.exr"], "shot_020-####.exr"),
+        (["shot_020-0001.exr", "shot_020-0002.exr"], "shot_020-%04d.exr"),
+        (["v-2.0001.exr", "v-2.0002.exr"], "v-2.####.exr"),
+        (["2-1-0001.png", "2-1-0002.png"], "2-1-####.png"),
+        (["s.-0002.exr", "s.-0001.exr", "s.0000.exr", "s.0001.exr"], "s.####.exr"),
+        (["s.-002.exr", "s.-001.exr", "s.0000.exr"], "s.####.exr"),
+        (["s.-2.exr", "s.-1.exr", "s.0.exr"], "s.%d.exr"),
+        (["s.9.exr", "s.10.exr", "s.11.exr"], "s.%d.exr"),
+        (["s.9999.exr", "s.10000.exr"], "s.####.exr"),
+        (["s98.jxl", "s99.jxl", "s100.jxl"], "s##.jxl"),
+        (["a_7.ppm", "a_8.ppm"], "a_%d.ppm"),
+    ],
+)
+def test_a_sequence_is_the_same_by_pattern_and_by_folder(folder, files, pattern):
+    place = folder(*files)
+    for name in (place / pattern, place):
+        found = find_files(str(name))
+        assert names(found) == files
+        assert found.missing == ()
+
+
+@pytest.mark.parametrize(
+    ("files", "pattern", "whole"),
+    [
+        (["s.8.exr", "s.9.exr", "s.10.exr"], "s.##.exr", "s.%01d.exr"),
+        (["s.0999.exr", "s.1000.exr", "s.10000.exr"], "s.%d.exr", "s.%04d.exr"),
+        (["s.998.exr", "s.999.exr", "s.1000.exr"], "s.####.exr", "s.%03d.exr"),
+    ],
+)
+def test_a_pattern_is_never_a_part_of_a_sequence(folder, files, pattern, whole):
+    place = folder(*files)
+    with pytest.raises(
+        FrameError, match=rf"leaves out \d of 3 files of one sequence, .*; write {re.escape(whole)}, or"
+    ):
+        find_files(str(place / pattern))
+    last = files[-1].split(".")[1]
+    assert names(find_files(str(place / pattern), frames=last)) == files[-1:]
+    assert names(find_files(str(place))) == files or "1000" in last
+
+
+@pytest.mark.parametrize(
+    "files", [["s.1.exr", "s.01.exr"], ["s.0001.exr", "s.001.exr"], ["s.01.exr", "t.01.exr"], ["s.1.exr", "s.1.png"]]
+)
+def test_a_folder_of_two_sequences_is_an_error(folder, files):
+    with pytest.raises(FrameError, match="several sequences"):
+        find_files(str(folder(*files)))
+
+
+def test_two_files_of_one_number_are_an_error(folder):
+    place = folder("s.-0001.exr", "s.-001.exr", "s.0000.exr")
+    with pytest.raises(FrameError, match=r"s\.-0001\.exr and s\.-001\.exr are both frame -1"):
+        find_files(str(place / "s.####.exr"))
 
 
 @pytest.mark.parametrize(

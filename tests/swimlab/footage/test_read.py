@@ -88,7 +88,8 @@ def test_16_bit_png_is_what_its_metadata_says(tmp_path):
 
 
 def test_resolve_states_the_rule():
-    assert resolve("auto", stored_as="half", metadata="srgb_rec709_scene") == "linear"
+    assert resolve("auto", stored_as="half", metadata="srgb_rec709_scene") == "srgb"
+    assert resolve("auto", stored_as="half", metadata=None) == "linear"
     assert resolve("srgb", stored_as="float", metadata=None) == "srgb"
     assert resolve("auto", stored_as="uint16", metadata=None) == "linear"
     assert resolve("auto", stored_as="uint8", metadata="lin_rec709") == "linear"

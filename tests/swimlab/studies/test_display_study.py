@@ -8,10 +8,10 @@ import pytest
 
 from metrics import Display
 from metrics.display import STANDARD
-from sequences import Bloom, load
+from sequences import Bloom, SequenceError, load
 from sequences import Display as Table
 from swimlab.footage.colour import quantisation_floor
-from swimlab.render.plan import Plan
+from swimlab.render.plan import Plan, load_sequence
 from swimlab.render.run import render_run
 from swimlab.runs.clips import display_of
 from swimlab.runs.entries import read_entries
@@ -20,6 +20,7 @@ from swimlab.scoring.measure import measure_run
 from swimlab.studies.beyond.display import LINEAR, VARIANTS, display_study
 
 NAMES = ("pixel-aniso", "pixel-point", "reference")
+VIEW = "sRGB - Display/ACES 2.0 - SDR 100 nits (Rec.709)"
 SQRT = Table(exposure=1, gamma="sqrt", bits=6, dither=True, bloom=Bloom(strength=0.25))
 
 
@@ -67,6 +68,18 @@ def test_a_run_without_the_table_is_shown_as_it_stands(run):
     record = Record.read(run)
     del record.sequence["display"]
     assert display_of(record) == STANDARD
+
+
+def test_a_view_is_the_display_of_the_measures_too(run, tmp_path):
+    record = Record.read(run)
+    record.sequence["display"] = Table(view=VIEW).model_dump(mode="json")
+    assert display_of(record) == Display(view=VIEW)
+    record.sequence["display"]["view"] = "sRGB/ACES"
+    with pytest.raises(RunError, match="display: OpenColorIO's configuration has no DISPLAY/VIEW 'sRGB/ACES'"):
+        display_of(record)
+    (tmp_path / "mine.toml").write_text('version = 1\nname = "mine"\n[display]\nview = "sRGB/ACES"\n', encoding="utf-8")
+    with pytest.raises(SequenceError, match=r"mine\.toml: display\.view: .*close to it"):
+        load_sequence(tmp_path / "mine.toml")
 
 
 def test_scores_in_the_display_domain_go_through_it_and_say_so(run, shown):
@@ -141,6 +154,14 @@ def test_frames_of_ones_own_are_shown_at_an_exposure(run, swimlab):
     assert brighter["sequences"][0]["display"] == asdict(Display(exposure=1, tone_map="reinhard"))
     assert brighter["provenance"]["hash"] == plain["provenance"]["hash"]
     assert brighter["sequences"][0]["scores"] != plain["sequences"][0]["scores"]
+    viewed = found("--domain", "display", "--display", VIEW)
+    assert viewed["sequences"][0]["display"] == asdict(Display(view=VIEW))
+    assert len({json.dumps(each["sequences"][0]["scores"]) for each in (plain, brighter, viewed)}) == 3
+    code, _, err = swimlab(*words, "--display", VIEW)
+    assert (code, f"--display {VIEW}: is for --domain display" in err) == (2, True)
+    code, _, err = swimlab(*words, "--domain", "display", "--display", "sRGB/ACES")
+    assert code == 2
+    assert "--display: OpenColorIO's configuration has no DISPLAY/VIEW 'sRGB/ACES'; close to it" in err
     code, _, err = swimlab(*words, "--exposure", "-1")
     assert (code, "--exposure -1.0: is for --domain display" in err) == (2, True)
     code, _, err = swimlab(*words, "--domain", "display", "--exposure", "99")

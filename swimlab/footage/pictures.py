@@ -1,0 +1,90 @@
+"""A run folder's pictures, rendered or brought: one way to read both, by technique and frame number."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from threading import Lock
+from typing import Protocol
+
+import numpy as np
+
+from swimlab.footage.brought import requests_of
+from swimlab.footage.reader import open_frames
+from swimlab.footage.reference import open_reference
+from swimlab.footage.request import Request
+from swimlab.footage.source import Mask, Source
+from swimlab.footage.sources import check_unchanged
+from swimlab.runs.frames import FrameError, Image, frame_path, read_frame
+from swimlab.runs.record import REFERENCE, Record
+
+
+class Pictures(Protocol):
+    """The pictures of a run."""
+
+    def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
+        """[H, W, 4] linear premultiplied radiance and alpha, which is 0 where brought frames are not measured.
+
+        rows: rows first..end-1 alone. Raises FrameError where the picture is gone, or is not what was measured.
+        """
+
+
+def open_pictures(folder: Path, record: Record) -> Pictures:
+    """The pictures of a run folder; nothing is read yet."""
+    return BroughtPictures(record) if record.inputs else RenderedPictures(folder)
+
+
+class RenderedPictures:
+    """Pictures in the run folder itself."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
+        path = frame_path(self._folder, technique, frame)
+        if not path.is_file():
+            raise FrameError(f"{path} is gone")
+        return read_frame(path, rows=rows)
+
+
+class BroughtPictures:
+    """Pictures that stay where they are."""
+
+    def __init__(self, record: Record) -> None:
+        self._inputs = record.inputs
+        self._requests: Mapping[str, Request] = requests_of(record)
+        self._opened: dict[str, Source] = {}
+        self._numbers: tuple[int, ...] = ()
+        self._lock = Lock()
+
+    def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
+        with self._lock:
+            source = self._source(technique)
+        if frame not in self._numbers:
+            raise FrameError(f"{source.reader.name}: has no frame {frame} any more; measure the frames again")
+        index = self._numbers.index(frame)
+        coverage = np.ones(source.shape, np.float32) if source.measured is None else source.measured(index)
+        rgba = np.dstack([source.picture(index), coverage]).astype(np.float32)
+        return rgba if rows is None else rgba[slice(*rows)]
+
+    def _source(self, technique: str) -> Source:
+        """The frames of a build or of the reference; each has its own reader."""
+        if technique not in self._opened:
+            check_unchanged(technique, self._inputs[technique])
+            name = next(iter(self._requests)) if technique == REFERENCE else technique
+            request = self._requests[name]
+            source = Source(open_frames(request.test, frames=request.frames), request.look)
+            self._numbers = source.reader.numbers
+            if technique == REFERENCE and request.reference is not None:
+                source = open_reference(
+                    open_frames(request.reference, frames=request.frames), request.reference_look, source
+                )
+            source.measured = _coverage(source, request)
+            self._opened[technique] = source
+        return self._opened[technique]
+
+
+def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None:
+    """Where mask and alpha let the pictures of a source be measured; None: everywhere."""
+    givers = [source.coverage] if source.has_coverage else []
+    if request.mask is not None:
+        givers.append(Mask(open_frames(request.mask, frames=request.frames), request.look.crop).coverage)
+    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None
