@@ -1,9 +1,11 @@
 """The examples of `reports/engines`, loaded from their scripts."""
 
 import importlib.util
+import json
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -25,3 +27,14 @@ def example() -> Callable[[str], ModuleType]:
         return module
 
     return load
+
+
+@pytest.fixture(scope="session")
+def entries() -> Callable[[Path], dict[str, Any]]:
+    """What scores.json of a drawn shot says, by build."""
+
+    def entries(folder: Path) -> dict[str, Any]:
+        scores = json.loads((folder / "run" / "scores.json").read_text(encoding="utf-8"))
+        return {entry["technique"]: entry for entry in scores["sequences"]}
+
+    return entries

@@ -1,7 +1,6 @@
 """OpenGL on the CPU by Mesa: vectors and depth in closed form, and builds rank as they must."""
 
 import importlib.util
-import json
 from ctypes.util import find_library
 from pathlib import Path
 
@@ -25,11 +24,8 @@ def drawn(example, tmp_path_factory) -> Path:
     return folder
 
 
-def test_builds_rank_as_they_must(drawn):
-    def entry(build):
-        return json.loads((drawn / "scores" / build / "scores.json").read_text(encoding="utf-8"))["sequences"][0]
-
-    found = {build: entry(build) for build in ("aliased", "filtered", "supersampled")}
+def test_builds_rank_as_they_must(drawn, entries):
+    found = entries(drawn)
     assert {entry["motion_check"]["verdict"] for entry in found.values()} == {"verified"}
     for name in ("budget.flicker", "edges.flicker", "frame.mse"):
         assert max(found, key=lambda build: found[build]["scores"][name]) == "aliased", name

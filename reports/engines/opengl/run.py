@@ -157,8 +157,9 @@ def render(folder: Path, size: tuple[int, int], frames: int) -> None:
 
 
 def measure(folder: Path) -> None:
-    """What the shot file says, a build after another."""
-    subprocess.run([sys.executable, HERE.parent / "measure.py", folder], check=True)
+    """Scores and report of all builds, in FOLDER/run."""
+    words = ["study", folder / "shot.toml", "-o", folder / "run"]
+    subprocess.run([sys.executable, "-m", "swimlab", *map(str, words)], check=True)
 
 
 def main(words: list[str] | None = None) -> None:
