@@ -46,6 +46,13 @@ def find_colour(
     )
 
 
+def other_colours(header: Header, taken: int) -> list[str]:
+    """Names of the parts but for the one taken that have R, G and B too."""
+    parts = {index: part for index, part in enumerate(header.parts) if not part.deep and index != taken}
+    plain = [index for _, index, channels in _layers(parts) if set(channels) in map(set, _COLOUR)]
+    return [header.parts[index].name or str(index) for index in plain]
+
+
 def find_parts(header: Header, wanted: str | None, name: str, *, option: str) -> dict[int, Part]:
     """Index -> part, of the parts that may be read: those that are no deep ones, or the one wanted.
 

@@ -1,12 +1,13 @@
-"""The reference beside the test: how its files are read, and whether the two are in one colour space."""
+"""The reference beside the test: how the files of both are read, and whether they are in one colour space."""
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.footage.channels import find_colour
+from swimlab.footage.channels import find_colour, other_colours
 from swimlab.footage.colour import AUTO, SRGB, decode
 from swimlab.footage.reader import Reader
+from swimlab.footage.request import Request
 from swimlab.footage.source import Look, Source
 from swimlab.runs.frames import FrameError, Image
 
@@ -57,6 +58,31 @@ def _if_there(reader: Reader, channels: str | None, part: str | None) -> str | N
     except FrameError:
         return None
     return part
+
+
+def check_alpha(request: Request, test: Source, reference: Source | None) -> None:
+    """Raise FrameError where alpha is to be used and there is none."""
+    asked, own = request.look.alpha, request.reference_look.alpha
+    if asked not in (None, "ignore") and not any(source and source.has_coverage for source in (test, reference)):
+        raise FrameError(f"--alpha {asked}: {test.reader.name} has no alpha")
+    if own not in (None, "ignore") and reference is not None and not reference.has_coverage:
+        raise FrameError(f"--{_PREFIX}alpha {own}: {reference.reader.name} has no alpha")
+
+
+def passed_over(test: Source, reference: Source | None) -> list[str]:
+    """What to say where files have the channels of the colour more than once and nobody chose."""
+    said = []
+    for source, prefix in ((test, ""), (reference, _PREFIX)):
+        if source is not None and source.look.part is None and source.look.channels is None:
+            header, name = source.reader.header, source.reader.name
+            others = other_colours(header, source.part)
+            if others:
+                taken = header.parts[source.part].name or str(source.part)
+                other = ", ".join(others)
+                said.append(
+                    f"{name}: its part {taken} is measured; {other} have a colour too, which --{prefix}part chooses"
+                )
+    return said
 
 
 def curve_between(test: Source, reference: Source, index: int, coverage: Image | None) -> str:

@@ -18,7 +18,7 @@ from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
 from swimlab.footage.pattern import frame_range, parse_pattern
 from swimlab.footage.reader import Reader, open_frames
-from swimlab.footage.reference import curve_between, open_reference
+from swimlab.footage.reference import check_alpha, curve_between, open_reference, passed_over
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.source import Look, Mask, Source
 from swimlab.footage.verify import verify
@@ -62,7 +62,9 @@ class Subject:
             self.reference = open_reference(reader, request.reference_look, self.test)
             if self.reference.space != self.test.space:
                 say(f"the test is taken as {self.test.space}, the reference as {self.reference.space}")
-        self._check_alpha()
+        for text in passed_over(self.test, self.reference):
+            self.note(text)
+        check_alpha(request, self.test, self.reference)
         self.mask = None
         if request.mask is not None:
             self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
@@ -168,15 +170,6 @@ class Subject:
         stated = self._stated_coverage()
         known = self.motion.known(self.kept[1], self.kept[0]) is not None
         return _least([*filter(None, [stated]), *([self._known] if known else [])])
-
-    def _check_alpha(self) -> None:
-        """Raise FrameError where alpha is to be used and there is none."""
-        asked, own = self.request.look.alpha, self.request.reference_look.alpha
-        sources = list(filter(None, (self.test, self.reference)))
-        if asked not in (None, "ignore") and not any(source.has_coverage for source in sources):
-            raise FrameError(f"--alpha {asked}: {self.test.reader.name} has no alpha")
-        if own not in (None, "ignore") and self.reference is not None and not self.reference.has_coverage:
-            raise FrameError(f"--reference-alpha {own}: {self.reference.reader.name} has no alpha")
 
     def _check_measured(self) -> None:
         """Raise FrameError where mask and alpha leave nothing to measure."""

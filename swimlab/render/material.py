@@ -1,21 +1,24 @@
 """The scene's maps: made, or read from files and checked, and packed into mip chains."""
 
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from sequences import Sequence, asphalt, brushed
+from sequences import Sequence
 from swimlab.render.inputs import Inputs, Level, Map, Maps
 from swimlab.render.kernels.structs import TEXELS
+from swimlab.render.made_maps import SIZE, made_map, tangents
 from swimlab.render.texture import MipChain
 from swimlab.runs.frames import oiio_name
 
 POWER_OCTAVES = 12.0
 """Integer gloss maps hold power = 2^(1 + 12 c)."""
+
+CHANNELS = {"albedo": 3, "normal": 3, "gloss": 2, "twist": 1}
+"""Map -> channels that it must have."""
 
 MOST_CHANNELS = {"twist": 2}
 """Map -> channels read at most, where this is more than the least it must have: a twist is an angle or a vector."""
@@ -71,25 +74,27 @@ def load_material(sequence: Sequence, launcher: Launcher, *, twisted: bool = Tru
 
 
 def read_maps(sequence: Sequence, *, twisted: bool = True) -> Maps:
-    """The sequence's maps: linear albedo, signed normals, Ks and power, and tangents if `twisted`. Raises MapError."""
+    """The sequence's maps: linear albedo, signed normals, Ks and power, and tangents if `twisted`.
+
+    Made ones are of the size of those that are files. Raises MapError.
+    """
     material = sequence.scene.material
-    albedo = _load(sequence, "albedo", material.albedo, 3)
-    normal = _load(sequence, "normal", material.normal, 3)
-    gloss = _load(sequence, "gloss", material.gloss, 2)
-    twist = _load(sequence, "twist", material.twist, 1) if material.twist is not None and twisted else None
-    maps = Maps(albedo, normal, gloss, twist)
-    sizes = {key: plane.shape[:2] for key, plane in maps._asdict().items() if plane is not None}
+    named = {"albedo": material.albedo, "normal": material.normal, "gloss": material.gloss}
+    if material.twist is not None and twisted:
+        named["twist"] = material.twist
+    paths = {key: path for key, value in named.items() if (path := sequence.map_path(value)) is not None}
+    files = {key: _load(key, path) for key, path in paths.items()}
+    sizes = {key: plane.shape[:2] for key, plane in files.items()}
     if len(set(sizes.values())) > 1:
         listed = ", ".join(f"{key} {w}x{h}" for key, (h, w) in sizes.items())
         raise MapError(f"scene.material: the maps differ in size ({listed}); resize them to one")
-    return maps
+    size = next(iter(sizes.values()), SIZE)
+    return Maps(**{key: files[key] if key in files else made_map(key, sequence.seed, size) for key in named})
 
 
-def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
-    path = sequence.map_path(value)
-    if path is None:
-        return _made_twist(sequence.seed) if key == "twist" else np.asarray(getattr(_made(sequence.seed), key))
+def _load(key: str, path: Path) -> Map:
     where = f"scene.material.{key}: {path}"
+    channels = CHANNELS[key]
     pixels, integer, srgb = _read(path, where)
     if pixels.shape[2] < channels:
         raise MapError(f"{where}: has {pixels.shape[2]} channels; this map needs {channels}")
@@ -101,21 +106,6 @@ def _load(sequence: Sequence, key: str, value: str, channels: int) -> Map:
         row, column = np.argwhere(~np.isfinite(pixels).all(axis=2))[0]
         raise MapError(f"{where}: has a NaN or Inf, the first at column {column}, row {row}")
     return _decode(key, pixels, integer=integer, srgb=srgb, where=where)
-
-
-@lru_cache(maxsize=1)
-def _made_twist(seed: int) -> Map:
-    return tangents(brushed.make(seed))
-
-
-def tangents(angle: Map) -> Map:
-    """x and y [h, w, 2] of tangents that are turned by `angle` [h, w] radians from x to y."""
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1).astype(np.float32)
-
-
-@lru_cache(maxsize=1)
-def _made(seed: int) -> asphalt.Maps:
-    return asphalt.make(seed)
 
 
 def _decode(key: str, pixels: Map, *, integer: bool, srgb: bool, where: str) -> Map:

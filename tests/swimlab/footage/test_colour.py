@@ -13,7 +13,7 @@ import pytest
 from metrics import ocio
 from metrics.ocio import find_space, find_view, space_names, view_names
 from swimlab.footage.colour import decode, quantisation_floor, resolve
-from swimlab.footage.colour_tags import space_of_codes
+from swimlab.footage.colour_tags import space_of_codes, stated_space
 from swimlab.footage.reader import open_frames
 from swimlab.footage.source import Look, Source
 from swimlab.runs.frames import FrameError
@@ -250,3 +250,38 @@ def test_quantisation_of_pq_is_as_large_as_measured(tolerance):
     error = np.mean((pq(codes) - pq(exact)) ** 2)
     floor = quantisation_floor(greys(codes), stored_as="uint8", space=space, domain="linear")
     assert floor == pytest.approx(error, rel=tolerance("noise"))
+
+
+@pytest.mark.parametrize(
+    ("described", "said"),
+    [
+        ("sRGB IEC61966-2.1", "srgb"),
+        ("GIMP built-in sRGB", "srgb"),
+        ("Display P3", "srgb_p3d65_scene"),
+        ("Adobe RGB (1998)", "g22_adobergb_scene"),
+        ("GIMP built-in Linear sRGB", "ICC profile GIMP built-in Linear sRGB"),
+        ("Dot Gain 20%", "ICC profile Dot Gain 20%"),
+    ],
+)
+def test_an_icc_profile_counts_by_what_it_calls_itself(tmp_path, described, said):
+    spec = oiio.ImageSpec(2, 2, 3, "uint8")
+    spec.attribute("ICCProfile:profile_description", described)
+    spec.attribute("oiio:ColorSpace", "srgb_rec709_scene")
+    assert stated_space(tmp_path / "a.tif", spec) == said
+
+
+@pytest.mark.parametrize(
+    ("file", "attribute", "value", "said"),
+    [
+        ("a.dpx", "dpx:Transfer", "Printing density", "Printing density"),
+        ("a.dpx", "dpx:Transfer", "User defined", None),
+        ("a.dpx", "oiio:ColorSpace", "KodakLog", "KodakLog"),
+        ("a.ppm", "oiio:ColorSpace", "Rec709", "srgb"),
+        ("a.pfm", "oiio:ColorSpace", "Rec709", None),
+        ("a.exr", "oiio:ColorSpace", "unknown", None),
+    ],
+)
+def test_what_other_files_say(tmp_path, file, attribute, value, said):
+    spec = oiio.ImageSpec(2, 2, 3, "uint16")
+    spec.attribute(attribute, value)
+    assert stated_space(tmp_path / file, spec) == said

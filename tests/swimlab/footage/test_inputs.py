@@ -84,6 +84,14 @@ def test_parts_are_chosen_by_name_view_or_index(clip, tolerance):
         subject(stereo, reference=stereo, look=Look(part="left"), reference_look=Look(part="middle"))
 
 
+def test_a_colour_that_is_passed_over_is_told(clip):
+    parts = clip("parts", rgb(GREY), {"Z": GREY}, rgb(2 * GREY))
+    found = subject(parts, reference=parts)
+    for option in ("--part", "--reference-part"):
+        assert any(f"its part part0 is measured; part2 have a colour too, which {option}" in n for n in found.notes)
+    assert not any("have a colour too" in note for note in subject(parts, look=Look(part="part0")).notes)
+
+
 def test_vectors_come_from_the_part_that_is_named(clip, tmp_path):
     still = np.zeros((HEIGHT, WIDTH), np.float32)
     clip("mv", {"X": still + 9, "Y": still}, {"X": still, "Y": still})

@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 
-from sequences import Sequence
+from sequences import Sequence, asphalt
 from swimlab.render.inputs import BOX, Maps
 from swimlab.render.material import MapError, Material, load_material, read_maps
 
@@ -216,3 +216,29 @@ def test_maps_of_different_size_are_refused_with_their_sizes(sequence_of, tmp_pa
     write(tmp_path / "big.exr", flat_maps(32, 32)["normal"])
     with pytest.raises(MapError, match=r"differ in size \(albedo 16x8, normal 32x32, gloss 16x8\)"):
         read_maps(sequence_of(normal="big.exr"))
+
+
+@pytest.mark.parametrize("size", [(64, 64), (32, 128), (128, 32), (16, 16)])
+def test_made_maps_take_the_size_of_those_that_are_files(sequence_of, tmp_path, size, tolerance):
+    write(tmp_path / "mine.exr", flat_maps(*size)["normal"])
+    sequence = sequence_of(albedo="made:asphalt", gloss="made:asphalt", twist="made:brushed", normal="mine.exr")
+    maps = read_maps(sequence)
+    assert {plane.shape[:2] for plane in maps} == {size}
+    side = max(*size, 64)
+    whole = asphalt.make(sequence.seed, side)
+    for found, made in ((maps.albedo, whole.albedo), (maps.gloss, whole.gloss)):
+        means = (plane.mean(axis=(0, 1), dtype=np.float64) for plane in (found, made))
+        assert next(means) == pytest.approx(next(means), rel=tolerance("float32"))
+    if size == (64, 64):
+        assert np.array_equal(maps.albedo, whole.albedo)
+
+
+def test_made_normals_stay_of_unit_length(sequence_of, tmp_path, tolerance):
+    write(tmp_path / "mine.exr", flat_maps(16, 64)["albedo"])
+    maps = read_maps(sequence_of(albedo="mine.exr", normal="made:asphalt", gloss="made:asphalt"))
+    assert np.linalg.norm(maps.normal, axis=2) == pytest.approx(1, abs=tolerance("unit in float32"))
+
+
+def test_made_maps_alone_have_the_size_of_always(sequence_of):
+    maps = read_maps(sequence_of(albedo="made:asphalt", normal="made:asphalt", gloss="made:asphalt"))
+    assert {plane.shape[:2] for plane in maps if plane is not None} == {(1024, 1024)}
