@@ -54,9 +54,8 @@ class Rendering:
 
     def refuse_for_shots(self, name: str) -> None:
         """Raise RunError where an option of rendering comes with a shot file, whose frames are there already."""
-        of_rendering = ("frames", "size", "samples", "float32", "dry_run", "force")
         given = [field.name for field in fields(self) if getattr(self, field.name) != field.default]
-        for option in filter(given.__contains__, of_rendering):
+        for option in (each for each in given if each != "quiet"):
             raise RunError(f"--{option.replace('32', '').replace('_', '-')}: renders; the frames of {name} are there")
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
