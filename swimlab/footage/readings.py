@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import get_args
 
-from swimlab.footage.convention import PRESETS, Convention, Direction, Unit
+from swimlab.footage.convention import PRESETS, Convention, Direction, Unit, guess
 
 _FLIPS = {"": (1, 1), "x flipped": (-1, 1), "y flipped": (1, -1), "both flipped": (-1, -1)}
 _LENGTHS = {"of half the length": 0.5, "of twice the length": 2.0}
@@ -62,9 +62,15 @@ def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
 
 def _presets(channels: tuple[str, str]) -> Iterator[tuple[str, Convention]]:
     """Presets of files with such channels: their offset or scale may be what is amiss."""
+    for name, preset in _fitting(channels):
+        yield f"as of {name}", preset
+
+
+def _fitting(channels: tuple[str, str]) -> Iterator[tuple[str, Convention]]:
+    """Presets that read such channels."""
     for name, preset in PRESETS.items():
         if any(_ends(channels, pair) for pair in preset.channels):
-            yield f"as of {name}", preset
+            yield name, preset
 
 
 def _flipped(now: Convention, flip: str) -> Convention:
@@ -80,11 +86,19 @@ def _meaning(convention: Convention, size: tuple[int, int]) -> tuple[str, float,
 
 
 def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> str:
-    """A preset where unit or offset is another and no single option is set that overrules it; else single options."""
-    if (other.unit, other.offset) != (now.unit, now.offset) and any(_same(now, preset) for preset in PRESETS.values()):
-        for name, preset in PRESETS.items():
-            if _same(other, preset) and any(_ends(channels, pair) for pair in preset.channels):
-                return f"--motion-convention {name.removesuffix('-forward')}"
+    """A preset where no single option is set that overrules it; else single options.
+
+    The preset whose own channels these are says most; presets of any channels do where unit or offset is another.
+    """
+    if any(_same(now, preset) for preset in PRESETS.values()):
+        names = [name.removesuffix("-forward") for name, preset in _fitting(channels) if _same(other, preset)]
+        own = guess(channels)
+        if own in names:
+            return f"--motion-convention {own}"
+        if names and (other.unit, other.offset) != (now.unit, now.offset):
+            first, *more = names
+            also = f" (or {', '.join(more)}: they mean the same here)" if more else ""
+            return f"--motion-convention {first}{also}"
     options = []
     if other.unit != now.unit:
         options.append(f"--motion-unit {other.unit}")

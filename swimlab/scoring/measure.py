@@ -7,9 +7,10 @@ from typing import Any
 
 from metrics.display import Domain
 from swimlab.footage.brought import requests_of
-from swimlab.runs.record import REFERENCE, Record
+from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import write_scores
 from swimlab.scoring.brought import measure_brought
+from swimlab.scoring.kept import kept_entries, keys_of
 from swimlab.scoring.techniques import measure_techniques
 
 
@@ -25,6 +26,7 @@ def measure_run(
 ) -> dict[str, Any]:
     """Score every technique of a run, write scores.json and frames.csv into its folder, and return the former.
 
+    Scores of a rendered run that are there already, of the same pictures, settings and code, are kept as they are.
     peers: metrics of other projects to add, by name (see `scoring.peer`). viewing: what replaces pixels_per_degree and
     luminance of the sequence's [viewing]. device: as `metrics.measure` takes it. `advance` is called with a technique's
     name after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
@@ -40,8 +42,18 @@ def measure_run(
         for name in requests:
             advance(name)
         return scores
+    if record.resizes and viewing:
+        raise RunError(f"--{next(iter(viewing)).replace('_', '-')}: frames of different sizes have no visibility")
     tests = [name for name in record.techniques if name != REFERENCE]
-    entries = measure_techniques(
-        run, record, tests, domain=domain, peers=peers, viewing=viewing, device=device, advance=advance
-    )
-    return write_scores(run, record, entries, domain=domain, command=command)
+    record.sequence["viewing"] = record.sequence.get("viewing", {}) | dict(viewing or {})
+    keys = {} if peers else keys_of(run, record, tests, domain=domain, device=device)
+    kept = kept_entries(run, keys)
+    missing = [name for name in tests if name not in kept]
+    for name in kept:
+        advance(name)
+    measured = measure_techniques(run, record, missing, domain=domain, peers=peers, device=device, advance=advance)
+    found = kept | {
+        name: entry | ({"key": keys[name]} if name in keys else {})
+        for name, entry in zip(missing, measured, strict=True)
+    }
+    return write_scores(run, record, [found[name] for name in tests], domain=domain, command=command)

@@ -1,6 +1,6 @@
 """Scores of a run's techniques, several at a time: clips in, entries of scores.json out."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -30,22 +30,20 @@ def measure_techniques(
     *,
     domain: Domain = "linear",
     peers: Sequence[str] = (),
-    viewing: Mapping[str, float] | None = None,
     device: str = "cpu",
     advance: Callable[[str], None] = lambda _: None,
 ) -> list[dict[str, Any]]:
-    """The entries of scores.json for some techniques of a run; raises as `measure_run`."""
+    """The entries of scores.json for some techniques of a run, none for none; raises as `measure_run`."""
     if not record.frames:
         raise RunError(f"{run}: holds no finished frame; render it first")
     references = [name for name in record.techniques if name == REFERENCE]
     check_complete(run, [*tests, *references, GEOMETRY], record.frames)
     if record.resizes and peers:
         raise RunError(f"--peers {','.join(peers)}: frames of different sizes are not a clip; leave it out")
-    if record.resizes and viewing:
-        raise RunError(f"--{next(iter(viewing)).replace('_', '-')}: frames of different sizes have no visibility")
-    record.sequence["viewing"] = record.sequence.get("viewing", {}) | dict(viewing or {})
+    if not tests:
+        return []
     score = _scale_scorer(run, record, domain) if record.resizes else _clip_scorer(run, record, domain, peers, device)
-    viewed = {} if record.resizes else {"viewing": record.sequence["viewing"]}
+    viewed = {} if record.resizes else {"viewing": record.sequence.get("viewing", {})}
     display = display_of(record)
     entries = []
     with ThreadPoolExecutor(_workers(record)) as pool:

@@ -163,7 +163,7 @@ FORGOTTEN = {
     "unreal as unity": ("unreal", "unity", "--motion-convention unreal"),
     "unreal as uv": ("unreal", "uv", "--motion-convention unreal"),
     "godot as unreal": ("godot", "unreal", "--motion-convention godot"),
-    "threejs as unreal": ("threejs", "unreal", "--motion-convention ndc"),
+    "threejs as unreal": ("threejs", "unreal", "--motion-convention ndc (or threejs: they mean the same here)"),
 }
 
 

@@ -238,7 +238,7 @@ def test_no_motion_is_refused_where_a_reference_moves():
 
 UNITS = {
     "unity": ("own", "in uv, y flipped", "--motion-convention unity"),
-    "ndc": ("unity", "in ndc", "--motion-convention ndc"),
+    "ndc": ("unity", "in ndc", r"--motion-convention ndc \(or threejs: they mean the same here\)"),
     "uv": ("ndc", "in uv, y flipped", "--motion-convention uv"),
     "own": ("unity", "in px, y flipped", "--motion-convention own"),
 }
@@ -251,6 +251,15 @@ def test_another_unit_is_refused_by_the_setting_that_mends_it(truth):
     motion = fields(lambda t: STORED[truth](np.broadcast_to(VELOCITY, (HEIGHT, WIDTH, 2))), PRESETS[given])
     motion.channels = ("R", "G")
     with pytest.raises(FrameError, match=rf"{what} leaves 0\.0.* Use {setting}, or"):
+        check(motion, shifted)
+
+
+@pytest.mark.parametrize("given", ["own", "unity"])
+def test_channels_of_an_engine_are_mended_by_its_preset(given):
+    """Also where it differs from what was given by signs alone."""
+    motion = fields(lambda t: STORED["blender"](np.broadcast_to(VELOCITY, (HEIGHT, WIDTH, 2))), PRESETS[given])
+    motion.channels = ("View Layer.Vector.X", "View Layer.Vector.Y")
+    with pytest.raises(FrameError, match="Use --motion-convention blender, or"):
         check(motion, shifted)
 
 

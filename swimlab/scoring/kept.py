@@ -1,0 +1,78 @@
+"""Scores that are kept: an entry of scores.json is taken as it is where measuring again would give the same.
+
+Each entry carries a key, the hash of all that decides it: the bytes of its frames and of those of reference and
+geometry, how they are looked at, and the code that measures.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import metrics
+import swimlab
+from metrics.display import Domain
+from metrics.machine import cores
+from swimlab.runs.frames import frame_path
+from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
+from swimlab.runs.scores import read_scores
+
+_ROOMS = ("footage", "runs", "scoring")
+_PACKAGES = ("numpy", "scipy", "warp-lang", "opencv-contrib-python-headless", "OpenImageIO")
+_LOOK = ("name", "fps", "size", "seed", "viewing", "display")
+
+
+def keys_of(run: Path, record: Record, tests: Sequence[str], *, domain: Domain, device: str) -> dict[str, str]:
+    """Technique -> key of its scores; none where a picture is missing, which measuring tells."""
+    shared = [name for name in (GEOMETRY, REFERENCE, ERROR) if (run / name).is_dir()]
+    try:
+        with ThreadPoolExecutor(cores()) as pool:
+            names = [*tests, *shared]
+            hashes = dict(zip(names, pool.map(lambda name: _pictures(run, name, record.frames), names), strict=True))
+    except FileNotFoundError:
+        return {}
+    content = {
+        "code": _code(),
+        "domain": domain,
+        "device": device,
+        "settings": record.hash,
+        "frames": record.frames,
+        "sequence": {key: record.sequence.get(key) for key in _LOOK},
+        "shared": [hashes[name] for name in shared],
+        "techniques with it": [name for name in shared if name in record.techniques],
+    }
+    return {name: _hash([json.dumps(content | {"test": hashes[name]}, sort_keys=True).encode()]) for name in tests}
+
+
+def kept_entries(run: Path, keys: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Technique -> its entry of the run's scores.json, where that has the technique's key."""
+    try:
+        entries = read_scores(run)["sequences"]
+        return {name: entry for entry in entries if entry.get("key") == keys.get(name := entry["technique"], "")}
+    except (RunError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _pictures(run: Path, name: str, frames: Iterable[int]) -> str:
+    return _hash(frame_path(run, name, frame).read_bytes() for frame in frames)
+
+
+@cache
+def _code() -> str:
+    """Hash of the files that turn pictures into scores, and of the packages that they use."""
+    home = Path(swimlab.__file__).parent
+    folders = [Path(metrics.__file__).parent, *(home / room for room in _ROOMS)]
+    files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+    versions = [f"{package} {version(package)}".encode() for package in _PACKAGES]
+    return _hash([*versions, *(path.read_bytes() for path in files)])
+
+
+def _hash(contents: Iterable[bytes]) -> str:
+    digest = hashlib.sha256()
+    for content in contents:
+        digest.update(hashlib.sha256(content).digest())
+    return digest.hexdigest()[:32]
