@@ -90,7 +90,7 @@ def test_a_bad_address_shows_the_first_view(visit: Callable[..., Page], report: 
 def test_a_clip_loops_at_its_own_rate(visit: Callable[..., Page], report: str) -> None:
     page = visit(report, prepare=lambda page: page.clock.install())
     page.evaluate("clip().frames.forEach((_, i) => [state.a, state.b].forEach((name) => picture(0, name, i, false)))")
-    settle(page)
+    page.wait_for_function("clip().frames.every((_, i) => isReady(i))")
     page.clock.pause_at("2100-01-01")
     page.keyboard.press("p")
     page.clock.run_for(145)
