@@ -18,7 +18,10 @@ from swimlab.runs.record import REFERENCE, Record
 
 
 class Pictures(Protocol):
-    """The pictures of a run."""
+    """The pictures of a run. called: what one of their kinds is called; kept: where they are, as a sentence's end."""
+
+    called: str
+    kept: str
 
     def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
         """[H, W, 4] linear premultiplied radiance and alpha, which is 0 where brought frames are not measured.
@@ -35,6 +38,9 @@ def open_pictures(folder: Path, record: Record) -> Pictures:
 class RenderedPictures:
     """Pictures in the run folder itself."""
 
+    called = "technique"
+    kept = "rendered frames are in the run folder as EXR"
+
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
@@ -47,6 +53,9 @@ class RenderedPictures:
 
 class BroughtPictures:
     """Pictures that stay where they are."""
+
+    called = "build"
+    kept = "brought frames are where they were measured, in files that run.json names"
 
     def __init__(self, record: Record) -> None:
         self._inputs = record.inputs

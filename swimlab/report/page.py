@@ -94,6 +94,8 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             names=[run.sequence for run in opened],
             sections=[_section(run, entries, clips, colours) for run in opened],
             inks=colours,
+            called=" or ".join(dict.fromkeys(run.pictures.called for run in opened)),
+            kept="; ".join(dict.fromkeys(run.pictures.kept for run in opened)),
             verdict=told,
             provenance=flatten({**scores.get("provenance", {}), **_by_run(opened)}),
             settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],

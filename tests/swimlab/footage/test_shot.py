@@ -136,6 +136,13 @@ def test_the_short_form_writes_the_same_folder(swimlab, shot, run):
     assert swimlab("report", shot / "short")[0] == 0
 
 
+def test_the_report_speaks_of_builds_and_says_where_their_frames_are(run):
+    page = (run / "report.html").read_text(encoding="utf-8")
+    assert "Which build should I ship" in page
+    assert "brought frames are where they were measured, in files that run.json names." in page
+    assert "in the run folder" not in page
+
+
 def test_sources_that_moved_or_changed_are_told_by_name(swimlab, shot, run):
     moved = shot / "blink" / "f.0003.exr"
     kept = moved.read_bytes()

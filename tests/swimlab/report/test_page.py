@@ -61,6 +61,10 @@ def test_the_page_names_every_technique_score_and_unit(page: str) -> None:
     assert "12.5" in page
 
 
+def test_the_page_says_where_its_frames_are(page: str) -> None:
+    assert "rendered frames are in the run folder as EXR." in page
+
+
 def test_a_score_that_cannot_be_had_shows_its_reason(page: str) -> None:
     assert f"on plane ({REASON})" in page
     assert f'<td title="{REASON}">—</td>' in page
