@@ -15,6 +15,7 @@ from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
 from swimlab.report.palette import Ink, inks
+from swimlab.report.profiles import profiles
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
@@ -162,7 +163,7 @@ def _section(
         "name": run.sequence,
         "headline": headline(mine),
         "table": score_table(mine, run.milliseconds),
-        "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours)],
+        "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours), *profiles(run)],
         "maps": maps(run, mine),
         "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
         "score_names": names,

@@ -25,6 +25,7 @@ class Run:
     settings: dict[str, Any]
     provenance: dict[str, Any]
     resizes: bool
+    uniform_velocity: tuple[float, float] | None
     pictures: Pictures
 
 
@@ -41,5 +42,6 @@ def open_run(folder: Path) -> Run:
         settings=record.sequence,
         provenance=record.provenance,
         resizes=record.resizes,
+        uniform_velocity=record.uniform_velocity,
         pictures=open_pictures(folder, record),
     )
