@@ -18,7 +18,9 @@ from swimlab.runs.record import REFERENCE, Record
 
 
 class Pictures(Protocol):
-    """The pictures of a run."""
+    """The pictures of a run. place: where all of them are, in words."""
+
+    place: str
 
     def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
         """[H, W, 4] linear premultiplied radiance and alpha, which is 0 where brought frames are not measured.
@@ -35,6 +37,8 @@ def open_pictures(folder: Path, record: Record) -> Pictures:
 class RenderedPictures:
     """Pictures in the run folder itself."""
 
+    place = "in the run folder as EXR"
+
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
@@ -47,6 +51,8 @@ class RenderedPictures:
 
 class BroughtPictures:
     """Pictures that stay where they are."""
+
+    place = "in the files that they were measured from"
 
     def __init__(self, record: Record) -> None:
         self._inputs = record.inputs

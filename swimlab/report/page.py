@@ -93,6 +93,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
         .render(
             names=[run.sequence for run in opened],
             sections=[_section(run, entries, clips, colours) for run in opened],
+            places=dict.fromkeys(run.pictures.place for run in opened),
             inks=colours,
             verdict=told,
             provenance=flatten({**scores.get("provenance", {}), **_by_run(opened)}),

@@ -115,6 +115,7 @@ def test_the_run_folder_serves_every_command(swimlab, shot, run):
         assert code == 0, err
     page = (run / "report.html").read_text(encoding="utf-8")
     assert all(name in page for name in ("corridor", "glued", "blink"))
+    assert "all frames are in the files that they were measured from" in page
     gate = shot / "gate.toml"
     rule = '[[rule]]\nmetric = "budget.flicker"\n'
     gate.write_text(f'version = 1\n[baseline]\nfile = "base.json"\n{rule}max_increase = "5%"\n', encoding="utf-8")
