@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import metrics
-import swimlab
 from metrics.display import Domain
 from metrics.machine import cores
 from swimlab.runs.frames import frame_path
@@ -64,7 +63,7 @@ def _pictures(run: Path, name: str, frames: Iterable[int]) -> str:
 @cache
 def _code() -> str:
     """Hash of the files that turn pictures into scores, and of the packages that they use."""
-    home = Path(swimlab.__file__).parent
+    home = Path(__file__).parents[1]
     folders = [Path(metrics.__file__).parent, *(home / room for room in _ROOMS)]
     files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
     versions = [f"{package} {version(package)}".encode() for package in _PACKAGES]
