@@ -70,7 +70,8 @@ def study_command(
     if rendering.dry_run:
         print_plans(list(plans.values()), folders, force=rendering.force, json_output=json_output)
         return 0
-    asked = {name: chosen_builds(techniques, shot.requests(Path(name).parent, domain)) for name, shot in shots.items()}
+    builds = None if techniques is None else [name.strip() for name in techniques.split(",") if name.strip()]
+    asked = {name: shot.requests(Path(name).parent, domain, builds=builds) for name, shot in shots.items()}
     for name, run in zip(titles, folders, strict=True):
         if name in plans:
             render_with_progress(plans[name], run, rendering)
@@ -103,12 +104,3 @@ def _measure_shot(name: str, requests: Mapping[str, Request], run: Path, title: 
     except FrameError as error:
         keys = "; here options are keys: --motion-unverified is unverified = true under [motion]"
         raise FrameError(f"{name}: {error}{keys if '--' in str(error) else ''}") from error
-
-
-def chosen_builds(text: str | None, requests: Mapping[str, Request]) -> dict[str, Request]:
-    """The builds of a list with commas, every one for None. Raises RunError naming one that is not there."""
-    wanted = list(requests) if text is None else [name.strip() for name in text.split(",") if name.strip()]
-    unknown = [name for name in wanted if name not in requests]
-    if unknown or not wanted:
-        raise RunError(f"-t {text}: there are the builds {', '.join(requests)}")
-    return {name: request for name, request in requests.items() if name in wanted}

@@ -11,7 +11,7 @@ from swimlab.footage.brought import requests_of
 from swimlab.footage.reader import open_frames
 from swimlab.footage.reference import open_reference
 from swimlab.footage.request import Request
-from swimlab.footage.source import Mask, Source
+from swimlab.footage.source import Mask, Source, least
 from swimlab.footage.sources import check_unchanged
 from swimlab.runs.frames import FrameError, Image, frame_path, read_frame
 from swimlab.runs.record import REFERENCE, Record
@@ -98,4 +98,4 @@ def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None
     givers = [source.coverage] if source.has_coverage else []
     if request.mask is not None:
         givers.append(Mask(open_frames(request.mask, frames=request.frames), request.look.crop).coverage)
-    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None
+    return least(givers)

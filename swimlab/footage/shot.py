@@ -1,7 +1,7 @@
 """Shot files: anyone's frames under several builds, with one reference and one motion, as plain data."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -20,7 +20,7 @@ from swimlab.footage.pattern import parse_range
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.runs.clips import shown_by
-from swimlab.runs.record import RESERVED
+from swimlab.runs.record import RESERVED, RunError
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 
@@ -146,8 +146,15 @@ class Shot(Table):
             parse_range(value, "frames")
         return value
 
-    def requests(self, folder: Path, domain: Domain) -> dict[str, Request]:
-        """What to measure of each build; names are relative to the folder, that of the file."""
+    def requests(self, folder: Path, domain: Domain, *, builds: Collection[str] | None = None) -> dict[str, Request]:
+        """What to measure of each build, in the file's order; names are relative to the folder, that of the file.
+
+        builds: the names of some; None: all. Raises RunError for one that is not there, and where none is named.
+        """
+        wanted = self.builds if builds is None else builds
+        unknown = [name for name in wanted if name not in self.builds]
+        if unknown or not wanted:
+            raise RunError(f"build {next(iter(unknown), '')!r}: {self.name} has {', '.join(self.builds)}")
 
         def place(name: str | None) -> str | None:
             return None if name is None else str(folder / name)
@@ -186,6 +193,7 @@ class Shot(Table):
                 **moving,
             )
             for name, build in self.builds.items()
+            if name in wanted
         }
 
 

@@ -1,6 +1,6 @@
 """Frames as linear radiance: channels chosen, colours decoded, alpha and crop applied."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
@@ -20,6 +20,11 @@ BRIGHTEST = 1e12
 """Values beyond this are mistakes: their squares, and sums of them, leave single precision."""
 _OPAQUE = 1 - 0.5 / 255
 """Alpha from here on is 1 as far as 8 bit can say; halves and denoisers miss 1 by less."""
+
+
+def least(givers: Sequence[Callable[[int], Image]]) -> Callable[[int], Image] | None:
+    """The least of several coverages, each index -> [H, W]; None where there is none."""
+    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None
 
 
 @dataclass(frozen=True)

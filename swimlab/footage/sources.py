@@ -1,6 +1,5 @@
 """The files that brought frames are read from: what they were when they were measured, and whether they still are."""
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,6 +9,7 @@ from metrics.machine import cores
 from swimlab.footage.pattern import find_files
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.runs.frames import FrameError
+from swimlab.runs.hashes import hash_file
 from swimlab.runs.record import REFERENCE
 
 
@@ -38,7 +38,9 @@ def check_unchanged(what: str, given: Mapping[str, Any]) -> None:
         except OSError:
             gone.append(path)
             continue
-        if stat.st_size != file["bytes"] or (stat.st_mtime_ns != file["modified"] and _hash(path) != file["sha256"]):
+        if stat.st_size != file["bytes"] or (
+            stat.st_mtime_ns != file["modified"] and hash_file(path) != file["sha256"]
+        ):
             changed.append(path)
     for paths, how in ((gone, "is gone"), (changed, "has changed")):
         if paths:
@@ -58,10 +60,5 @@ def _file(path: Path) -> dict[str, Any]:
         "path": str(path.absolute()),
         "bytes": stat.st_size,
         "modified": stat.st_mtime_ns,
-        "sha256": _hash(path),
+        "sha256": hash_file(path),
     }
-
-
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

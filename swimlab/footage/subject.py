@@ -1,6 +1,6 @@
 """What is measured: opened frames, which of them are good, where they are covered, and how they move."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from swimlab.footage.pattern import frame_range, parse_pattern
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import check_alpha, curve_between, open_reference, passed_over
 from swimlab.footage.request import ESTIMATE, Request
-from swimlab.footage.source import Look, Mask, Source
+from swimlab.footage.source import Look, Mask, Source, least
 from swimlab.footage.verify import verify
 from swimlab.runs.frames import FrameError, Image
 
@@ -163,13 +163,13 @@ class Subject:
         """Where frames are measured, by mask, test and reference."""
         givers = [each.coverage for each in (self.test, self.reference) if each and each.has_coverage]
         givers += [self.mask.coverage] if self.mask is not None else []
-        return _least(givers)
+        return least(givers)
 
     def _coverage(self) -> Callable[[int], Image] | None:
         """Where frames are measured: that, and where their motion is known."""
         stated = self._stated_coverage()
         known = self.motion.known(self.kept[1], self.kept[0]) is not None
-        return _least([*filter(None, [stated]), *([self._known] if known else [])])
+        return least([*filter(None, [stated]), *([self._known] if known else [])])
 
     def _check_measured(self) -> None:
         """Raise FrameError where mask and alpha leave nothing to measure."""
@@ -303,8 +303,3 @@ class Subject:
         """Keep what a reader should know for the scores, and say it."""
         self.notes.append(text)
         self._say(text)
-
-
-def _least(givers: Sequence[Callable[[int], Image]]) -> Callable[[int], Image] | None:
-    """The least of several coverages, None where there is none."""
-    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None

@@ -138,16 +138,12 @@ def render_and_measure(
 
     only: names of techniques, None: all. size: width and height in px. frames: as "0-7". samples: of the reference,
     a pixel. A shot file is measured as it is: only names builds. Raises what `load`, `render_run` and `measure_run` do,
-    and GateError for an unknown technique or build.
+    RunError for an unknown build, and GateError for an unknown technique.
     """
     if is_shot(sequence):
-        shot, path = load_shot(Path(sequence)), Path(sequence)
-        requests = shot.requests(path.parent, domain)
-        lacking = [name for name in only or () if name not in requests]
-        if lacking:
-            raise GateError(f"build {lacking[0]!r}: {path} has {', '.join(requests)}")
-        wanted = {name: requests[name] for name in only or requests}
-        measure_brought(wanted, run, sequence=shot.name, command=COMMAND)
+        shot = load_shot(Path(sequence))
+        requests = shot.requests(Path(sequence).parent, domain, builds=only or None)
+        measure_brought(requests, run, sequence=shot.name, command=COMMAND)
         return
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:

@@ -230,13 +230,9 @@ def study(
 
 def _study_shot(path: Path, builds: str | Sequence[str] | None, output: str | Path | None, domain: Domain) -> Study:
     shot = load_shot(path)
-    requests = shot.requests(path.parent, domain)
-    wanted = list(requests) if builds is None else listed(builds)
-    unknown = [name for name in wanted if name not in requests]
-    if unknown:
-        raise RunError(f"{unknown[0]}: no such build in {path}; it has {', '.join(requests)}")
+    requests = shot.requests(path.parent, domain, builds=None if builds is None else listed(builds))
     folder = _temporary(shot.name) if output is None else Path(output)
-    measure_brought({name: requests[name] for name in wanted}, folder, sequence=shot.name, command="swimlab.study")
+    measure_brought(requests, folder, sequence=shot.name, command="swimlab.study")
     return Study(folder)
 
 

@@ -1,6 +1,7 @@
 """Temporal profiles: one row of pixels stacked over time, x across and time down, for every technique of a run."""
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -51,9 +52,9 @@ def profiles(run: Run) -> list[Figure]:
     body = []
     for place, name in enumerate(run.techniques):
         top = place * (HEAD + high)
-        for column, (where, velocity) in enumerate(moves):
+        stacks = profile(run, name, y, (left, left + width), [velocity for _, velocity in moves])
+        for column, ((where, _), codes) in enumerate(zip(moves, stacks, strict=True)):
             start = column * (across + GAP)
-            codes = profile(run, name, y, (left, left + width), velocity)
             body.append(drawn_text(start, top + HEAD - 5, f"{name}, {where}", "start"))
             body.append(image(codes, (start, top + HEAD, start + across, top + HEAD + high)))
     size = (WIDTH, math.ceil(len(run.techniques) * (HEAD + high)))
@@ -71,27 +72,31 @@ def profiles(run: Run) -> list[Figure]:
 
 
 def profile(
-    run: Run, technique: str, y: int, columns: tuple[int, int], velocity: tuple[float, float]
+    run: Run, technique: str, y: int, columns: tuple[int, int], velocities: Sequence[tuple[float, float]]
 ) -> NDArray[np.uint8]:
-    """A row of pixels in every frame shown, [frames, columns, 3] sRGB codes.
+    """A row of pixels in every frame shown under several motions, [motions, frames, columns, 3] sRGB codes.
 
-    y, columns: of the middle frame, first..end-1. velocity: px a frame that the row moves by, read between pixels
-    linearly; what is outside the picture or has no alpha is grey.
+    y, columns: of the middle frame, first..end-1. velocities: px a frame that the row moves by, read between pixels
+    linearly; what is outside the picture or has no alpha is grey. Each frame is read once.
     """
     frames = run.frames[:FRAMES]
     middle = frames[len(frames) // 2]
     height = run.settings["size"][1]
-    stacked = np.empty((len(frames), columns[1] - columns[0], 3), np.uint8)
+    found = np.full((len(velocities), len(frames), columns[1] - columns[0], 3), UNKNOWN, np.uint8)
     for place, frame in enumerate(frames):
-        dx, dy = ((frame - middle) * speed for speed in velocity)
-        row = math.floor(y + dy)
-        stacked[place] = UNKNOWN
-        if 0 <= row < height:
-            rows = run.pictures.read(technique, frame, rows=(row, min(row + 2, height)))
-            stacked[place] = _along(
-                _between(rows[0], rows[-1], y + dy - row), np.arange(*columns, dtype=np.float64) + dx
-            )
-    return stacked
+        moved = [((frame - middle) * dx, y + (frame - middle) * dy) for dx, dy in velocities]
+        inside = [math.floor(row) for _, row in moved if 0 <= math.floor(row) < height]
+        if not inside:
+            continue
+        first = min(inside)
+        rows = run.pictures.read(technique, frame, rows=(first, min(max(inside) + 2, height)))
+        for motion, (right, row) in enumerate(moved):
+            above = math.floor(row)
+            if 0 <= above < height:
+                below = min(above + 1, height - 1)
+                line = _between(rows[above - first], rows[below - first], row - above)
+                found[motion, place] = _along(line, np.arange(*columns, dtype=np.float64) + right)
+    return found
 
 
 def _along(row: Image, x: NDArray[Any]) -> NDArray[np.uint8]:

@@ -77,11 +77,7 @@ def write_scores(
 
 
 def write_brought(run: Path, record: Record, scores: dict[str, Any]) -> None:
-    """Write the run folder of brought frames, of which there was nothing before they were measured.
-
-    Raises RunError where the folder holds a rendered run.
-    """
-    refuse_rendered(run)
+    """Write the run folder of brought frames, of which there was nothing before they were measured."""
     (run / "scores.json").unlink(missing_ok=True)  # of other frames, if this is interrupted
     record.write(run)
     write_content(run, scores)

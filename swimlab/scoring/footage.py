@@ -1,7 +1,5 @@
 """Scores of anyone's frames."""
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, NamedTuple
@@ -13,6 +11,7 @@ from metrics.kernels.launch import Launcher
 from swimlab.footage.colour import AUTO
 from swimlab.footage.request import ESTIMATE
 from swimlab.footage.subject import Subject
+from swimlab.runs.hashes import hash_of
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
 from swimlab.scoring.score import entry_of, score_clip
@@ -52,11 +51,6 @@ def measure_builds(
         about["hash"] = hash_of({name: each["hash"] for name, each in of_builds.items()})
         entries = [entry | of_builds[entry["technique"]] for entry in entries]
     return {"version": VERSION, "provenance": about, "sequences": entries}
-
-
-def hash_of(settings: Mapping[str, Any]) -> str:
-    """A hash of settings, 16 digits."""
-    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
 
 
 class Shared(NamedTuple):

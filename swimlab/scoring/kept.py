@@ -4,8 +4,6 @@ Each entry carries a key, the hash of all that decides it: the bytes of its fram
 geometry, how they are looked at, and the code that measures.
 """
 
-import hashlib
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -17,6 +15,7 @@ import metrics
 from metrics.display import Domain
 from metrics.machine import cores
 from swimlab.runs.frames import frame_path
+from swimlab.runs.hashes import hash_file, hash_of
 from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
 from swimlab.runs.scores import read_scores
 
@@ -44,7 +43,7 @@ def keys_of(run: Path, record: Record, tests: Sequence[str], *, domain: Domain, 
         "shared": [hashes[name] for name in shared],
         "techniques with it": [name for name in shared if name in record.techniques],
     }
-    return {name: _hash([json.dumps(content | {"test": hashes[name]}, sort_keys=True).encode()]) for name in tests}
+    return {name: hash_of(content | {"test": hashes[name]}) for name in tests}
 
 
 def kept_entries(run: Path, keys: Mapping[str, str]) -> dict[str, dict[str, Any]]:
@@ -56,8 +55,8 @@ def kept_entries(run: Path, keys: Mapping[str, str]) -> dict[str, dict[str, Any]
         return {}
 
 
-def _pictures(run: Path, name: str, frames: Iterable[int]) -> str:
-    return _hash(frame_path(run, name, frame).read_bytes() for frame in frames)
+def _pictures(run: Path, name: str, frames: Iterable[int]) -> list[str]:
+    return [hash_file(frame_path(run, name, frame)) for frame in frames]
 
 
 @cache
@@ -66,12 +65,4 @@ def _code() -> str:
     home = Path(__file__).parents[1]
     folders = [Path(metrics.__file__).parent, *(home / room for room in _ROOMS)]
     files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
-    versions = [f"{package} {version(package)}".encode() for package in _PACKAGES]
-    return _hash([*versions, *(path.read_bytes() for path in files)])
-
-
-def _hash(contents: Iterable[bytes]) -> str:
-    digest = hashlib.sha256()
-    for content in contents:
-        digest.update(hashlib.sha256(content).digest())
-    return digest.hexdigest()[:32]
+    return hash_of([[version(package) for package in _PACKAGES], [hash_file(path) for path in files]])

@@ -1,7 +1,5 @@
 """A chunk: some frames of one technique of one configuration, the piece of work that is done or lost as a whole."""
 
-import hashlib
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,6 +10,7 @@ from sequences import Sequence
 from sequences.scene import Scene
 from swimlab.render.catalogue import own_code, technique_settings, techniques
 from swimlab.render.plan import Plan
+from swimlab.runs.hashes import hash_file, hash_of
 from swimlab.runs.provenance import SWIMLAB
 from swimlab.runs.record import GEOMETRY, REFERENCE
 
@@ -69,7 +68,7 @@ def cut(plan: Plan, frames: int) -> Chunks:
             content["code"] = code
         chunks[name] = [
             Chunk(
-                _digest({**content, "frames": span}), sequence, folder, name, span, plan.samples, plan.half, code=code
+                hash_of({**content, "frames": span}), sequence, folder, name, span, plan.samples, plan.half, code=code
             )
             for span in spans(plan.frames, frames, doubling=remembers)
         ]
@@ -114,8 +113,4 @@ def _maps(sequence: Sequence) -> list[str]:
 
 @lru_cache
 def _digest_of_file(path: Path, changed: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _digest(content: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+    return hash_file(path)

@@ -1,6 +1,5 @@
 """Measuring the configurations of a sweep, equal work once."""
 
-import hashlib
 import json
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,6 +9,7 @@ from metrics.display import Domain
 from swimlab.render.plan import Plan
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import FrameError
+from swimlab.runs.hashes import hash_of
 from swimlab.runs.provenance import SWIMLAB
 from swimlab.runs.record import GEOMETRY, REFERENCE, Record, RunError
 from swimlab.scoring.techniques import measure_techniques
@@ -29,8 +29,7 @@ def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: 
         "display": sequence.display.model_dump(mode="json"),
         "seed": sequence.seed,
     }
-    digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
-    return out / "scores" / f"{digest}.json"
+    return out / "scores" / f"{hash_of(content)}.json"
 
 
 def measure_missing(run: Path, files: dict[str, Path], domain: Domain, chunks: Iterable[Path]) -> None:

@@ -36,10 +36,10 @@ def moving(tmp_path: Path) -> Run:
 
 
 def test_a_moving_picture_is_constant_on_the_surface_and_slanted_on_the_screen(moving: Run) -> None:
-    surface = profile(moving, "reference", ROW, (20, 120), VELOCITY)
+    surface = profile(moving, "reference", ROW, (20, 120), [VELOCITY])[0]
     assert np.all(surface == surface[0])
     assert np.ptp(surface[0]) > 100
-    level = profile(moving, "reference", ROW, (0, SIZE[0]), (0, VELOCITY[1]))
+    level = profile(moving, "reference", ROW, (0, SIZE[0]), [(0, VELOCITY[1])])[0]
     for before, after in pairwise(level):
         np.testing.assert_array_equal(before[: -VELOCITY[0]], after[VELOCITY[0] :])
 
@@ -54,5 +54,5 @@ def test_the_row_is_where_errors_are_and_is_named(moving: Run) -> None:
 
 
 def test_outside_the_picture_is_grey(moving: Run) -> None:
-    stacked = profile(moving, "reference", ROW, (0, 10), (-1000, 0))
+    stacked = profile(moving, "reference", ROW, (0, 10), [(-1000, 0)])[0]
     assert [bool(np.all(row == 128)) for row in stacked] == [frame != FRAMES // 2 for frame in range(FRAMES)]
