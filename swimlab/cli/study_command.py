@@ -103,4 +103,4 @@ def _measure_shot(name: str, requests: Mapping[str, Request], run: Path, title: 
         return measure_brought_with_progress(requests, run, title, quiet=quiet)
     except FrameError as error:
         keys = "; here options are keys: --motion-unverified is unverified = true under [motion]"
-        raise FrameError(f"{name}: {error}{keys if '--' in str(error) else ''}") from error
+        raise FrameError(f"{name}: {error}{keys if '--motion-unverified' in str(error) else ''}") from error

@@ -51,3 +51,19 @@ def _match(name: str, subject: Subject, other: str, first: Subject) -> None:
             f"{name}: has the frames {frame_range(mine.reader.numbers)}, {other} {frame_range(theirs.reader.numbers)}; "
             "builds of one shot have the same: choose them with frames, or rename the files"
         )
+    if subject.fps != first.fps:
+        raise FrameError(
+            f"{name}: has {subject.fps:g} frames a second, {other} {first.fps:g}; say the shot's rate with fps"
+        )
+    if subject.kept != first.kept:
+        left = frame_range([mine.reader.numbers[index] for index in sorted({*subject.kept} ^ {*first.kept})])
+        raise FrameError(
+            f"{name}: frames {left} can be measured of it or of {other} alone; builds of one shot are measured in the "
+            "same frames: leave these out with frames"
+        )
+    read, reads = (each.reference.reading if each.reference else None for each in (subject, first))
+    if read != reads:
+        raise FrameError(
+            f"{name}: reads the reference otherwise than {other} does, as the reference takes what it does not say "
+            "from the build; say its channels, colorspace, alpha and part by the reference's own options"
+        )

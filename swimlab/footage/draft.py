@@ -9,6 +9,7 @@ from swimlab.footage.convention import guess
 from swimlab.footage.pattern import frame_range, parse_pattern, patterns
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.runs.frames import FrameError
+from swimlab.runs.record import RESERVED
 
 ROLES = {
     "reference": ("ref", "reference", "truth", "gt", "groundtruth", "offline"),
@@ -44,9 +45,9 @@ def _head(name: str, first: Reader) -> list[str]:
     fps = first.header.fps
     return [
         "version = 1",
-        f"name = {json.dumps(name)}  # the sequence's name in scores, reports and gates",
+        f"name = {_quoted(name)}  # the sequence's name in scores, reports and gates",
         f"fps = {fps:g}  # the files' own" if fps else "fps = 60  # the files do not say: set it",
-        f"# frames = {json.dumps(frame_range(first.numbers))}  # without this line: all that are there",
+        f"# frames = {_quoted(frame_range(first.numbers))}  # without this line: all that are there",
     ]
 
 
@@ -66,7 +67,7 @@ def _tables(roles: Mapping[str, str], builds: Mapping[str, str], opened: Mapping
             lines += ["", f"# [reference]  # {said[role]}", '# frames = "reference/f.####.exr"']
     lines += ["", "# [viewing]  # for visible.flicker", "# pixels_per_degree = 40.0"]
     for name, frames in builds.items():
-        lines += ["", f"[builds.{json.dumps(name) if '.' in name else name}]", _said(frames, opened)]
+        lines += ["", f"[builds.{_quoted(name) if '.' in name else name}]", _said(frames, opened)]
     return [*lines, "# every input may have its own channels, colorspace, alpha and part"]
 
 
@@ -91,13 +92,18 @@ def _motion(roles: Mapping[str, str], builds: Mapping[str, str], opened: Mapping
 def _vectors(frames: str, preset: str | None) -> list[str]:
     known = "by the names of their channels" if preset else "not told by the files: swimlab list conventions"
     preset = (preset or "own").removesuffix("-forward")
-    return [f"frames = {json.dumps(frames)}", f"convention = {json.dumps(preset)}  # {known}"]
+    return [f"frames = {_quoted(frames)}", f"convention = {_quoted(preset)}  # {known}"]
 
 
 def _said(frames: str, opened: Mapping[str, Reader]) -> str:
     reader = opened[frames]
     size = "{}x{}".format(*reader.header.size)
-    return f"frames = {json.dumps(frames)}  # {len(reader.numbers)} frames, {size}"
+    return f"frames = {_quoted(frames)}  # {len(reader.numbers)} frames, {size}"
+
+
+def _quoted(text: str) -> str:
+    """A string of TOML, in which JSON's pairs of surrogates are no characters."""
+    return json.dumps(text, ensure_ascii=False)
 
 
 def _folders(folder: Path) -> list[Path]:
@@ -137,6 +143,6 @@ def _build(frames: str, taken: Mapping[str, str]) -> str:
     folder = "-".join(path.parts[:-1])
     for name in (folder, file, f"{folder}-{file}", f"build-{len(taken) + 1}"):
         name = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-._")
-        if name and name not in taken:
+        if name and name not in {*taken, *RESERVED}:
             return name
     return f"build-{len(taken) + 1}"

@@ -48,7 +48,9 @@ class Pictures(Table):
     frames: Frames
     channels: str | None = Field(None, description="three channels with commas, one channel, or a layer's name")
     colorspace: str | None = Field(
-        None, description="linear, srgb, auto or a name of OpenColorIO's configuration; without it: what the files say"
+        None,
+        description="linear, srgb, auto or a name of OpenColorIO's configuration; without it: what the files say, and "
+        "where a reference's do not, what the builds say",
     )
     alpha: AlphaUse | None = Field(
         None, description="ignore alpha, measure where it is 1 (mask), or divide colours by it (unpremultiply)"

@@ -94,6 +94,11 @@ class Source:
         return (self.look.crop.height, self.look.crop.width) if self.look.crop else (height, width)
 
     @property
+    def reading(self) -> tuple[object, ...]:
+        """Part, channels, colour space, use of alpha and crop: frames of the same files read alike are equal."""
+        return self.part, self.channels, self.space, self.look.alpha or "ignore", self.look.crop
+
+    @property
     def has_coverage(self) -> bool:
         """Whether the alpha says where to measure."""
         return self._alpha is not None

@@ -110,8 +110,12 @@ class Subject:
         if self.reference is None or other.reference is None or self.test.has_coverage or other.test.has_coverage:
             return False
         mine, others = (replace(each.request, test="", look=Look()) for each in (self, other))
-        read, reads = ((each.part, each.channels, each.space, each.look) for each in (self.reference, other.reference))
-        return mine == others and read == reads and self.kept == other.kept and self.test.shape == other.test.shape
+        return (
+            mine == others
+            and self.reference.reading == other.reference.reading
+            and self.kept == other.kept
+            and self.test.shape == other.test.shape
+        )
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""

@@ -21,8 +21,8 @@ The error has the precision of the pictures: halves where the pictures are halve
 """
 
 
-RESERVED = (REFERENCE, GEOMETRY, ERROR)
-"""What no technique and no build may be called."""
+RESERVED = (REFERENCE, GEOMETRY, ERROR, "motion", "depth", "mask")
+"""What no build may be called: a run has folders or inputs of these names."""
 
 
 class RunError(ValueError):
@@ -38,8 +38,8 @@ class Record:
         were shaded for it, and over how many frames.
     code: for each technique from a folder of your own, the hash of its file.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
-    inputs: of frames that were brought and stay where they are: input ("build NAME", "reference", ...) -> its name, and
-        its files' paths, sizes (bytes), times (ns) and hashes.
+    inputs: of frames that were brought and stay where they are: input (a build's name, "reference", "motion", ...) ->
+        its name, and its files' paths, sizes (bytes), times (ns) and hashes.
     """
 
     sequence: dict[str, Any]

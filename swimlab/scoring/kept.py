@@ -25,7 +25,12 @@ _LOOK = ("name", "fps", "size", "seed", "viewing", "display")
 
 
 def keys_of(run: Path, record: Record, tests: Sequence[str], *, domain: Domain, device: str) -> dict[str, str]:
-    """Technique -> key of its scores; none where a picture is missing, which measuring tells."""
+    """Technique -> key of its scores; none where a picture is missing, which measuring tells.
+
+    Nor for what a view of OpenColorIO shows: its configuration may have changed in any of the files that it names.
+    """
+    if domain == "display" and record.sequence.get("display", {}).get("view") is not None:
+        return {}
     shared = [name for name in (GEOMETRY, REFERENCE, ERROR) if (run / name).is_dir()]
     try:
         with ThreadPoolExecutor(cores()) as pool:

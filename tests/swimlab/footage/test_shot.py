@@ -232,3 +232,59 @@ def test_a_study_of_two_shots_keeps_each_ones_settings(swimlab, shot):
     assert kept == [("corridor", 30), ("hall", 24)]
     assert swimlab("compare", shot / "both", shot / "both")[0] == 0
     assert swimlab("study", shot / "shot.toml", "-t", "none")[0] == 2
+
+
+def test_builds_that_read_the_reference_differently_are_refused(swimlab, shot):
+    """Else one reference would be several, and the builds not comparable."""
+    path = shot / "spaces.toml"
+    path.write_text(SHOT.replace('"glued/f.####.exr"', '"glued/f.####.exr"\ncolorspace = "ACEScg"'), encoding="utf-8")
+    code, _, err = swimlab("study", path, "-o", shot / "spaces", "-q")
+    assert (code, "blink: reads the reference otherwise than glued does" in err) == (2, True)
+    said = path.read_text(encoding="utf-8").replace('"ref/f.####.exr"', '"ref/f.####.exr"\ncolorspace = "linear"')
+    path.write_text(said, encoding="utf-8")
+    assert swimlab("study", path, "-o", shot / "spaces", "-q")[0] == 0
+
+
+def test_builds_of_other_rates_or_good_frames_are_refused(swimlab, shot):
+    one, other = shot / "bad.toml", shot / "rates.toml"
+    (shot / "blink" / "f.0002.exr").write_bytes(b"no picture")
+    one.write_text(SHOT.replace("fps = 30", "fps = 30\nskip_bad_frames = true"), encoding="utf-8")
+    code, _, err = swimlab("study", one, "-o", shot / "bad", "-q")
+    assert (code, "blink: frames 2 can be measured of it or of glued alone" in err) == (2, True)
+    for t in range(COUNT):
+        pixels = (3 + waves(t, 1)).astype(np.float32) / 8
+        rate = {"FramesPerSecond": 24.0}
+        write_channels(shot / "blink" / f"f.{t:04d}.exr", pixels, ("R", "G", "B"), half=False, metadata=rate)
+    other.write_text(SHOT.replace("fps = 30\n", ""), encoding="utf-8")
+    code, _, err = swimlab("study", other, "-o", shot / "rates", "-q")
+    assert (code, "blink: has 24 frames a second, glued 60" in err) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["motion", "depth", "mask", "error"])
+def test_a_build_has_no_name_of_another_input(name, tmp_path):
+    path = tmp_path / "named.toml"
+    path.write_text(SHOT.replace("builds.glued", f"builds.{name}"), encoding="utf-8")
+    with pytest.raises(SequenceError, match=f"'{name}' is what a run calls a part of its own"):
+        load_shot(path)
+
+
+def test_a_mask_that_changed_is_told_by_name(swimlab, shot):
+    for value in (1, 0.75):
+        mask = np.full((HEIGHT, WIDTH, 1), value, np.float32)
+        write_channels(shot / "mask.exr", mask, ("Y",), half=False, metadata={})
+        if value == 1:
+            (shot / "masked.toml").write_text(SHOT + '[mask]\nframes = "mask.exr"\n', encoding="utf-8")
+            code, _, err = swimlab("study", shot / "masked.toml", "-o", shot / "masked", "-q")
+            assert code == 0, err
+    code, _, err = swimlab("report", shot / "masked")
+    assert (code, "mask.exr: has changed since it was measured (mask)" in err) == (2, True)
+
+
+def test_drafts_of_any_name_are_shot_files(swimlab, shot):
+    """A build may not be called error, and a name may be of characters beyond 16 bits."""
+    home = shot.rename(shot.with_name("\N{MOTORWAY} 1"))
+    (home / "glued").rename(home / "error")
+    (home / "blink").rename(home / "\N{MOTORWAY}")
+    assert swimlab("init-shot", home, "--force")[0] == 0
+    drafted = load_shot(home / "shot.toml")
+    assert {build.frames for build in drafted.builds.values()} == {"error/f.####.exr", "\N{MOTORWAY}/f.####.exr"}

@@ -86,3 +86,19 @@ def test_damaged_scores_are_measured_again(swimlab, run, measured, text):
     assert swimlab("measure", run, "-q")[0] == 0
     assert sorted(measured) == ["pixel-point", "vertex"]
     assert scores(run) == first
+
+
+def test_what_a_view_shows_is_measured_again(swimlab, tmp_path, measured):
+    """Its configuration may have changed, which no picture tells."""
+    sequence = tmp_path / "shown.toml"
+    view = "sRGB - Display/Un-tone-mapped"
+    sequence.write_text(
+        f'version = 1\nname = "shown"\nframes = 2\nsize = [64, 36]\n[display]\nview = "{view}"\n'
+        '[motion]\nkind = "shift"\nvelocity = [0.5, 0.5]\n',
+        encoding="utf-8",
+    )
+    words = ("-t", "vertex", "--samples", 4, "--domain", "display", "-q", "-o", tmp_path / "run")
+    for _ in range(2):
+        code, _, err = swimlab("study", sequence, *words)
+        assert code == 0, err
+    assert measured == ["vertex", "vertex"]
