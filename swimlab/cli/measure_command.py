@@ -126,7 +126,7 @@ def measure_brought_with_progress(
 
         def begin(builds: Mapping[str, Subject]) -> None:
             total = sum(len(subject.kept) for subject in builds.values())
-            name = sequence or next(iter(builds.values())).name
+            name = sequence or next(iter(builds.values())).request.name
             shown.append(stack.enter_context(progress(f"measuring {name}", total, quiet=quiet)))
 
         scores = measure_brought(

@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,14 +17,14 @@ from swimlab.cli.score_table import print_scores
 from swimlab.footage.request import Request
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.report.contact import write_contact_sheet
-from swimlab.report.page import write_report
+from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import FrameError
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import merge_scores
 
 ROAD = ("road-shift", "road-drive", "road-scale")
-SHEET_FRAMES = 3
+SHEET, SHEET_FRAMES = "contact.png", 3
 
 
 def study_command(
@@ -84,11 +84,7 @@ def study_command(
     merged = merge_scores(all_scores)
     if len(folders) > 1:
         write_json(output / "scores.json", merged)
-    write_report(folders, merged, output / "report.html")
-    for run in folders:
-        record = Record.read(run)
-        rows = sorted(record.techniques, key=lambda name: name == REFERENCE)
-        write_contact_sheet(run, run / "contact.png", techniques=rows, frames=record.frames[:SHEET_FRAMES])
+    _report(folders, merged, output / "report.html")
     if json_output:
         print(json.dumps(merged, indent=1, allow_nan=False))
         return 0
@@ -97,10 +93,23 @@ def study_command(
     return 0
 
 
+def _report(runs: Sequence[Path], scores: Mapping[str, Any], page: Path) -> None:
+    """Write contact sheets and the report, the latter last: where it is of the same, so are they."""
+    key = key_of_report(runs, scores)
+    if is_made_of(page, key) and all((run / SHEET).is_file() for run in runs):
+        return
+    for run in runs:
+        record = Record.read(run)
+        rows = sorted(record.techniques, key=lambda name: name == REFERENCE)
+        write_contact_sheet(run, run / SHEET, techniques=rows, frames=record.frames[:SHEET_FRAMES])
+    write_kept_report(runs, scores, page, key)
+
+
 def _measure_shot(name: str, requests: Mapping[str, Request], run: Path, title: str, *, quiet: bool) -> dict[str, Any]:
     """Measure the builds of a shot file. Raises FrameError naming the file, and where what options say stands in it."""
     try:
         return measure_brought_with_progress(requests, run, title, quiet=quiet)
     except FrameError as error:
         keys = "; here options are keys: --motion-unverified is unverified = true under [motion]"
-        raise FrameError(f"{name}: {error}{keys if '--motion-unverified' in str(error) else ''}") from error
+        said = "\n".join(f"{name}: {line}" for line in str(error).splitlines())
+        raise FrameError(f"{said}{keys if '--motion-unverified' in said else ''}") from error

@@ -2,10 +2,12 @@
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.jitter import Side
+from swimlab.footage.pattern import parse_pattern
 from swimlab.footage.source import Look
 from swimlab.runs.frames import FrameError
 
@@ -51,6 +53,14 @@ class Request:
     unverified: bool = False
     pixels_per_degree: float | None = None
     luminance: float | None = None
+
+    @property
+    def name(self) -> str:
+        """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
+        path = Path(self.test)
+        pattern = parse_pattern(path)
+        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
+        return bare or path.absolute().parent.name or "frames"
 
     @property
     def velocity(self) -> tuple[float, float] | None:

@@ -4,8 +4,17 @@ import json
 
 import pytest
 
+from swimlab.render import run as render_run
+from swimlab.report import kept as kept_reports
 from swimlab.runs.frames import frame_path
 from swimlab.scoring import kept, measure
+
+CONFIGURATION = """ocio_profile_version: 2
+roles: {default: lin_rec709_scene, scene_linear: lin_rec709_scene}
+file_rules: [!<Rule> {name: Default, colorspace: default}]
+displays: {screen: [!<View> {name: plain, colorspace: lin_rec709_scene}]}
+colorspaces: [!<ColorSpace> {name: lin_rec709_scene}]
+"""
 
 
 @pytest.fixture
@@ -74,7 +83,7 @@ def test_a_changed_reference_is_measured_by_all(swimlab, run, measured):
 
 
 def test_changed_code_measures_again(swimlab, run, measured, monkeypatch):
-    monkeypatch.setattr(kept, "_code", lambda: "of another version")
+    monkeypatch.setattr(kept, "hash_of_code", lambda: "of another version")
     assert swimlab("measure", run, "-q")[0] == 0
     assert sorted(measured) == ["pixel-point", "vertex"]
 
@@ -88,17 +97,44 @@ def test_damaged_scores_are_measured_again(swimlab, run, measured, text):
     assert scores(run) == first
 
 
-def test_what_a_view_shows_is_measured_again(swimlab, tmp_path, measured):
-    """Its configuration may have changed, which no picture tells."""
-    sequence = tmp_path / "shown.toml"
-    view = "sRGB - Display/Un-tone-mapped"
+def test_what_a_view_shows_is_kept_while_its_configuration_is_the_same(swimlab, tmp_path, measured, monkeypatch):
+    sequence, own = tmp_path / "shown.toml", tmp_path / "own.ocio"
     sequence.write_text(
-        f'version = 1\nname = "shown"\nframes = 2\nsize = [64, 36]\n[display]\nview = "{view}"\n'
+        'version = 1\nname = "shown"\nframes = 2\nsize = [64, 36]\n[display]\nview = "screen/plain"\n'
         '[motion]\nkind = "shift"\nvelocity = [0.5, 0.5]\n',
         encoding="utf-8",
     )
+    monkeypatch.setenv("OCIO", str(own))
     words = ("-t", "vertex", "--samples", 4, "--domain", "display", "-q", "-o", tmp_path / "run")
-    for _ in range(2):
+    hashes = []
+    for comment in ("", "", "# changed"):
+        own.write_text(CONFIGURATION + comment, encoding="utf-8")
         code, _, err = swimlab("study", sequence, *words)
         assert code == 0, err
+        hashes.append(scores(tmp_path / "run")[0]["display"]["configuration"])
     assert measured == ["vertex", "vertex"]
+    assert hashes[0] == hashes[1] != hashes[2]
+
+
+def test_nothing_is_rendered_or_written_where_nothing_is_new(swimlab, run, monkeypatch):
+    monkeypatch.setattr(render_run, "Renderer", None)
+    files = ("run.json", "scores.json", "frames.csv", "contact.png", "report.html")
+    before = [(run / name).stat().st_mtime_ns for name in files]
+    words = ("-t", "pixel-point,vertex", "--size", "96x54", "--frames", "0-2", "--samples", 4, "-q", "-o", run)
+    assert swimlab("study", "road-shift", *words)[0] == 0
+    assert [(run / name).stat().st_mtime_ns for name in files] == before
+
+
+def test_the_report_is_made_again_of_other_code_or_where_it_is_another_page(swimlab, run, monkeypatch):
+    page = run / "report.html"
+    words = ("-t", "pixel-point,vertex", "--size", "96x54", "--frames", "0-2", "--samples", 4, "-q", "-o", run)
+    for change in (lambda: page.write_text("another", encoding="utf-8"), (run / "contact.png").unlink):
+        change()
+        before = page.stat().st_mtime_ns
+        assert swimlab("study", "road-shift", *words)[0] == 0
+        assert page.stat().st_mtime_ns > before
+        assert "<html" in page.read_text(encoding="utf-8")
+    monkeypatch.setattr(kept_reports, "hash_of_code", lambda *_: "of another version")
+    before = page.stat().st_mtime_ns
+    assert swimlab("study", "road-shift", *words)[0] == 0
+    assert page.stat().st_mtime_ns > before
