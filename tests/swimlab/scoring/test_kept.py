@@ -6,15 +6,9 @@ import pytest
 
 from swimlab.render import run as render_run
 from swimlab.report import kept as kept_reports
+from swimlab.runs.configuration import Configuration
 from swimlab.runs.frames import frame_path
-from swimlab.scoring import kept, measure
-
-CONFIGURATION = """ocio_profile_version: 2
-roles: {default: lin_rec709_scene, scene_linear: lin_rec709_scene}
-file_rules: [!<Rule> {name: Default, colorspace: default}]
-displays: {screen: [!<View> {name: plain, colorspace: lin_rec709_scene}]}
-colorspaces: [!<ColorSpace> {name: lin_rec709_scene}]
-"""
+from swimlab.scoring import kept, measure, score
 
 
 @pytest.fixture
@@ -98,22 +92,23 @@ def test_damaged_scores_are_measured_again(swimlab, run, measured, text):
 
 
 def test_what_a_view_shows_is_kept_while_its_configuration_is_the_same(swimlab, tmp_path, measured, monkeypatch):
-    sequence, own = tmp_path / "shown.toml", tmp_path / "own.ocio"
+    sequence = tmp_path / "shown.toml"
+    view = "sRGB - Display/Un-tone-mapped"
     sequence.write_text(
-        'version = 1\nname = "shown"\nframes = 2\nsize = [64, 36]\n[display]\nview = "screen/plain"\n'
+        f'version = 1\nname = "shown"\nframes = 2\nsize = [64, 36]\n[display]\nview = "{view}"\n'
         '[motion]\nkind = "shift"\nvelocity = [0.5, 0.5]\n',
         encoding="utf-8",
     )
-    monkeypatch.setenv("OCIO", str(own))
     words = ("-t", "vertex", "--samples", 4, "--domain", "display", "-q", "-o", tmp_path / "run")
-    hashes = []
-    for comment in ("", "", "# changed"):
-        own.write_text(CONFIGURATION + comment, encoding="utf-8")
+    counts = []
+    for named in (None, None, ("a", True), ("a", True), ("b", True), ("b", False), ("b", False)):
+        for module in (kept, score):
+            monkeypatch.setattr(module, "configuration", lambda named=named: named and Configuration(*named))
         code, _, err = swimlab("study", sequence, *words)
         assert code == 0, err
-        hashes.append(scores(tmp_path / "run")[0]["display"]["configuration"])
-    assert measured == ["vertex", "vertex"]
-    assert hashes[0] == hashes[1] != hashes[2]
+        counts.append(len(measured))
+        assert scores(tmp_path / "run")[0]["display"].get("configuration") == (named and named[0])
+    assert counts == [1, 1, 2, 2, 3, 4, 5]
 
 
 def test_nothing_is_rendered_or_written_where_nothing_is_new(swimlab, run, monkeypatch):
