@@ -12,7 +12,7 @@ from metrics.display import Domain
 from sequences.display import Display
 from sequences.problems import SequenceError, describe
 from sequences.table import Real, Table, Whole
-from sequences.toml_file import TomlError, read_toml
+from sequences.toml_file import TomlError, change, read_toml
 from sequences.viewing import Viewing
 from swimlab.footage.convention import PRESETS, Convention, Direction, Preset, Unit, Vertical
 from swimlab.footage.jitter import Side
@@ -210,10 +210,14 @@ def is_shot(name: str | Path) -> bool:
         return False
 
 
-def load_shot(path: Path) -> Shot:
-    """The shot of a file; frames are not looked for. Raises SequenceError with every problem at once."""
+def load_shot(path: Path, *, changes: Mapping[str, Any] | None = None) -> Shot:
+    """The shot of a file; frames are not looked for. Raises SequenceError with every problem at once.
+
+    changes: values that take the place of the file's, by dotted key, as {"builds.main.colorspace": "srgb"}.
+    """
     try:
         data = read_toml(path, syntax="text needs quotes, a table is a [name] line", unreadable="")
+        change(data, changes or {}, path)
     except TomlError as error:
         raise SequenceError([str(error)]) from None
     try:

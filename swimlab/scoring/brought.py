@@ -4,6 +4,7 @@ import json
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from swimlab.footage.brought import record_of, settings_of
@@ -34,13 +35,17 @@ def measure_brought(
     warn: Say = lambda _: None,
     begin: Callable[[Mapping[str, Subject]], None] = lambda _: None,
     advance: Callable[[int, int], None] | None = None,
+    store: Path | None = None,
+    known: Inputs = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Measure builds by name, write them as a run folder, and return the content of scores.json.
 
     run: None: nothing is written; else builds that it has scores of are not measured again, if files, settings and code
-    are the same. begin: called with the opened builds that are to be measured. The rest as `open_builds` and
-    `measure_builds` take it, and raises as they do; RunError where the folder holds a rendered run, FrameError for all
-    inputs that are not there at once, and for a file that changes while it is measured.
+    are the same. begin: called with the opened builds that are to be measured. store: folder of entries by key, in
+    which builds may be measured already; None: one that lasts until all are. known: inputs whose hashes are known. The
+    rest as `open_builds` and `measure_builds` take it, and raises as they do; RunError where the folder holds a
+    rendered run, FrameError for all inputs that are not there at once, and for a file that changes while it is
+    measured.
     """
     found = find_inputs(requests)
     if run is None:
@@ -50,9 +55,10 @@ def measure_brought(
     refuse_rendered(run)
     name = sequence or next(iter(requests.values())).name
     earlier = Record.read(run) if (run / "run.json").is_file() else None
-    inputs = hash_inputs(found, {} if earlier is None else earlier.inputs)
+    inputs = hash_inputs(found, known or ({} if earlier is None else earlier.inputs))
     keys = {} if peers else keys_of_builds(requests, inputs, device=device)
-    kept = kept_entries(run, keys, run / STORE)
+    entries = store or run / STORE
+    kept = kept_entries(run, keys, entries)
     scores = None if earlier is None or len(kept) < len(requests) else _standing(run, earlier, name, requests, inputs)
     if scores is not None:
         _tell(scores["sequences"], say, warn)
@@ -65,7 +71,7 @@ def measure_brought(
     def done(build: str, entry: Mapping[str, Any]) -> None:
         check_unchanged(inputs_of(build, requests, inputs), when="while it was measured")
         if build in keys:
-            keep(run / STORE, keys[build], entry)
+            keep(entries, keys[build], entry)
 
     scores = measure_builds(
         builds, sequence=name, kept=kept, peers=peers, device=device, command=command, advance=advance, done=done
@@ -73,7 +79,8 @@ def measure_brought(
     for entry in scores["sequences"]:
         entry |= {"key": keys[entry["technique"]]} if keys else {}
     write_brought(run, record_of(name, builds, scores["provenance"], inputs), scores)
-    shutil.rmtree(run / STORE, ignore_errors=True)
+    if store is None:
+        shutil.rmtree(entries, ignore_errors=True)
     return scores
 
 

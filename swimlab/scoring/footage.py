@@ -91,6 +91,7 @@ def measure_build(
     peers: Sequence[str] = (),
     device: str = "cpu",
     advance: Callable[[int, int], None] | None = None,
+    threads: int | None = None,
 ) -> dict[str, Any]:
     """The entry of scores.json of one build. shared: the same scores sooner, where several builds are measured."""
     request = subject.request
@@ -104,6 +105,7 @@ def measure_build(
         rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
         peers=peers,
         progress=advance,
+        threads=threads,
         device=device,
     )
     floor = found.scores.get("quantisation.floor")
