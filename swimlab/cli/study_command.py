@@ -15,17 +15,16 @@ from cyclopts import Parameter
 from metrics.display import Domain
 from swimlab.cli.dry_run import print_plans
 from swimlab.cli.engines import Name, check_engine, open_engine, threads_of_task
-from swimlab.cli.measure_command import measure_brought_with_progress, measure_with_progress
+from swimlab.cli.measure_command import measure_shot_with_progress, measure_with_progress
 from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.cli.score_table import print_scores
 from swimlab.cli.terminal import progress
-from swimlab.footage.request import Request
+from swimlab.footage.keys import as_keys
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.report.contact import write_contact_sheet
 from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
 from swimlab.runs.files import write_json
-from swimlab.runs.frames import FrameError
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import merge_scores, refuse_rendered
 from swimlab.sweep.shots import STORE, Asked, Shots
@@ -95,7 +94,7 @@ def study_command(
         if name in plans:
             render_with_progress(plans[name], run, rendering)
     all_scores = [
-        _measure_shot(name, asked[name], run, titles[name], quiet=rendering.quiet)
+        measure_shot_with_progress(Path(name), asked[name], run, titles[name], quiet=rendering.quiet)
         if name in shots
         else measure_with_progress(run, domain, quiet=rendering.quiet)
         for name, run in zip(titles, folders, strict=True)
@@ -125,7 +124,9 @@ def _measure_elsewhere(
         failures = shots.measure(list(shots.builds.values()), out, opened, threads=threads, show=show)
         failures |= shots.write(out, opened, command=shlex.join(["swimlab", *sys.argv[1:]]), show=show)
     if failures:
-        raise RunError("\n".join([*failures.values(), "the same command tries them again, and keeps what is done"]))
+        raise RunError(
+            "\n".join([*map(as_keys, failures.values()), "the same command tries them again, and keeps what is done"])
+        )
     shutil.rmtree(out / STORE, ignore_errors=True)
 
 
@@ -139,13 +140,3 @@ def _report(runs: Sequence[Path], scores: Mapping[str, Any], page: Path) -> None
         rows = sorted(record.techniques, key=lambda name: name == REFERENCE)
         write_contact_sheet(run, run / SHEET, techniques=rows, frames=record.frames[:SHEET_FRAMES])
     write_kept_report(runs, scores, page, key)
-
-
-def _measure_shot(name: str, requests: Mapping[str, Request], run: Path, title: str, *, quiet: bool) -> dict[str, Any]:
-    """Measure the builds of a shot file. Raises FrameError naming the file, and where what options say stands in it."""
-    try:
-        return measure_brought_with_progress(requests, run, title, quiet=quiet)
-    except FrameError as error:
-        keys = "; here options are keys: --motion-unverified is unverified = true under [motion]"
-        said = "\n".join(f"{name}: {line}" for line in str(error).splitlines())
-        raise FrameError(f"{said}{keys if '--motion-unverified' in said else ''}") from error

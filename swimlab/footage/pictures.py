@@ -97,5 +97,7 @@ def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None
     """Where mask and alpha let the pictures of a source be measured; None: everywhere."""
     givers = [source.coverage] if source.has_coverage else []
     if request.mask is not None:
-        givers.append(Mask(open_frames(request.mask, frames=request.frames), request.look.crop).coverage)
+        reader = open_frames(request.mask, frames=request.frames)
+        mask = Mask(reader, request.look.crop, channel=request.mask_channels, part=request.mask_part)
+        givers.append(mask.coverage)
     return least(givers)

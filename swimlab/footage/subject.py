@@ -69,8 +69,9 @@ class Subject:
         check_alpha(request, self.test, self.reference)
         self.mask = None
         if request.mask is not None:
-            self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
-            self._match(self.mask.reader, "mask", still=True)
+            reader = open_frames(request.mask, frames=request.frames)
+            self._match(reader, "mask", still=True)
+            self.mask = Mask(reader, look.crop, channel=request.mask_channels, part=request.mask_part)
         self.depth = None
         if request.depth is not None:
             self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
@@ -236,7 +237,7 @@ class Subject:
             problems = (source.problems() if source is not None else {}) | problems
         problems |= self.depth.problems() if self.depth is not None else {}
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
-            problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
+            problems |= self.mask.problems()
         there = self._times()
         if not self.request.skip_bad_frames:
             if problems:

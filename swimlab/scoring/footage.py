@@ -133,7 +133,8 @@ def _settings(subject: Subject) -> dict[str, Any]:
         "crop": look["crop"],
     }
     chosen |= {"reference_look": reference_look} if reference_look else {}
-    chosen |= _said({"motion_part": motion_part})
+    of_masks = ("mask_channels", "mask_part", "motion_mask_channels", "motion_mask_part")
+    chosen |= _said({"motion_part": motion_part} | {name: chosen.pop(name) for name in of_masks})
     depth = {name: chosen.pop(name) for name in ("depth", "depth_channels", "depth_part")}
     chosen |= {"depth": True} | _said({key: depth[key] for key in depth if key != "depth"}) if depth["depth"] else {}
     for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
