@@ -79,8 +79,7 @@ class BroughtPictures:
         if technique not in self._opened:
             if technique not in self._inputs:
                 raise FrameError(f"there is no {technique}")
-            for what in {technique, "mask"} & self._inputs.keys():
-                check_unchanged(what, self._inputs[what])
+            check_unchanged({what: given for what, given in self._inputs.items() if what in (technique, "mask")})
             name = next(iter(self._requests)) if technique == REFERENCE else technique
             request = self._requests[name]
             source = Source(open_frames(request.test, frames=request.frames), request.look)
@@ -98,5 +97,7 @@ def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None
     """Where mask and alpha let the pictures of a source be measured; None: everywhere."""
     givers = [source.coverage] if source.has_coverage else []
     if request.mask is not None:
-        givers.append(Mask(open_frames(request.mask, frames=request.frames), request.look.crop).coverage)
+        reader = open_frames(request.mask, frames=request.frames)
+        mask = Mask(reader, request.look.crop, channel=request.mask_channels, part=request.mask_part)
+        givers.append(mask.coverage)
     return least(givers)
