@@ -10,7 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.report.clips import BUDGET, Clip, choose_clips, encode
+from swimlab.report.clips import BUDGET, DETAIL_SHARE, Clip, choose_clips, detail_of, encode, liveliest, outwards
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
@@ -24,7 +24,7 @@ from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
 
-SCRIPTS = ("pictures.js", "view.js", "screen.js", "pointer.js", "viewer.js", "charts.js")
+SCRIPTS = ("pictures.js", "view.js", "screen.js", "beside.js", "pointer.js", "viewer.js", "charts.js")
 
 
 def write_report(
@@ -63,6 +63,8 @@ def write_report_folder(
         clips = []
         for place, run in enumerate(opened):
             clips.append(write_pictures(run, folder, place))
+            order = outwards(run.frames, liveliest(run, scores["sequences"]))
+            clips += detail_of(run, order, int(DETAIL_SHARE * BUDGET) // len(opened))
             advance(run.sequence)
         write_text(folder / PAGE, _page(opened, scores, clips))
 
@@ -125,11 +127,11 @@ def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]], pi
 
 
 def _first(clips: Sequence[Clip]) -> int:
-    """The place of the clip to open on: a detail that moves, else what moves at one size, else what moves at all."""
+    """The place of the clip to open on: whole pictures of what moves at one size, else a detail, else anything."""
 
-    def worth(place: int) -> tuple[bool, bool, bool]:
+    def worth(place: int) -> tuple[bool, bool]:
         clip = clips[place]
-        return len(clip.frames) > 1, not clip.run.resizes, clip.region is not None
+        return len(clip.run.frames) > 1 and not clip.run.resizes, clip.region is None
 
     return max(range(len(clips)), key=worth, default=0)
 
@@ -181,16 +183,17 @@ def _caption(clip: Clip) -> str:
     first, last = clip.frames[0], clip.frames[-1]
     which = f"frame {first}" if first == last else f"frames {first} to {last}"
     if clip.region is None:
-        return f"whole picture, {which} of {len(clip.run.frames)}"
+        size = f" at 1/{clip.shrunk} of its size" if clip.shrunk > 1 else ""
+        return f"whole picture{size}, {which} of {len(clip.run.frames)}"
     x, y, width, height = clip.region
     return f"detail {width}x{height} at ({x}, {y}), {which} of {len(clip.run.frames)}"
 
 
 def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    mine = [entry for entry in entries if entry["sequence"] == clip.run.sequence]
     mse = {
         entry["technique"]: {row["frame"]: row["mse"] for row in entry.get("frames", []) if row.get("mse") is not None}
-        for entry in entries
-        if entry["sequence"] == clip.run.sequence
+        for entry in mine
     }
     return {
         "sequence": clip.run.sequence,
@@ -199,7 +202,9 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "fps": clip.run.fps,
         "techniques": clip.run.techniques,
         "frames": clip.frames,
-        "origin": list(clip.region[:2]) if clip.region else [0, 0],
+        "region": clip.region,
+        "shrunk": clip.shrunk,
+        "farthest": _farthest(mine),
         "compared": clip.compared,
         "sizes": [clip.sizes[frame] for frame in clip.frames],
         "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
@@ -207,6 +212,15 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
         "worst": {name: max(rows, key=lambda frame: rows[frame]) for name, rows in mse.items() if rows},
     }
+
+
+def _farthest(entries: Sequence[Mapping[str, Any]]) -> str:
+    """The technique that errs most, or without errors flickers most; "" where neither is known."""
+    for score in ("budget.mse", "frame.mse", "residual.flicker"):
+        known = [each for each in entries if score in each["scores"] and each["technique"] != REFERENCE]
+        if known:
+            return str(max(known, key=lambda each: float(each["scores"][score]))["technique"])
+    return ""
 
 
 def _by_run(runs: Sequence[Run]) -> dict[str, Any]:

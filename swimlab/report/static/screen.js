@@ -13,7 +13,9 @@ function requestDraw() {
 }
 
 function draw() {
+  showBeside();
   fitScreen();
+  drawBeside();
   context.imageSmoothingEnabled = false;
   panels().forEach(([letter, technique, heat], i) => drawPanel(i, letter, technique, heat));
   describe();
@@ -49,22 +51,32 @@ function drawPanel(i, letter, technique, heat) {
   if (canvas) {
     context.drawImage(canvas, x, y, at.width * at.scale, at.height * at.scale);
     if (at.scale >= READABLE) drawNumbers(at, technique, heat, x, y);
+    outlineDetail(at, x, y);
     markPixel(at, x, y);
   }
   const lost = !canvas && [false, true].some((map) => failed.has(keyOf(state.clip, technique, state.frame, map)));
-  label([letter, technique, HEAT_NAMES[heat], lost ? "cannot be loaded" : canvas ? "" : "loading…"], left, top);
+  label(context, [letter, technique, HEAT_NAMES[heat], lost ? "cannot be loaded" : canvas ? "" : "loading…"], left, top);
   context.restore();
 }
 
-function label(parts, left, top) {
+function label(brush, parts, left, top) {
   const text = parts.filter(Boolean).join("  ");
-  context.font = "600 14px system-ui, sans-serif";
-  context.textAlign = "left";
-  context.textBaseline = "alphabetic";
-  context.fillStyle = "#000a";
-  context.fillRect(left + 6, top + 6, context.measureText(text).width + 12, 22);
-  context.fillStyle = "#fff";
-  context.fillText(text, left + 12, top + 22);
+  brush.font = "600 14px system-ui, sans-serif";
+  brush.textAlign = "left";
+  brush.textBaseline = "alphabetic";
+  brush.fillStyle = "#000a";
+  brush.fillRect(left + 6, top + 6, brush.measureText(text).width + 12, 22);
+  brush.fillStyle = "#fff";
+  brush.fillText(text, left + 12, top + 22);
+}
+
+function outlineDetail(at, x, y) {
+  const detail = detailBeside();
+  if (!detail) return;
+  const [left, top, width, height] = detail.region.map((px) => px / clip().shrunk * at.scale);
+  context.lineWidth = 2;
+  context.strokeStyle = "#ffaa00";
+  context.strokeRect(x + left, y + top, width, height);
 }
 
 function markPixel(at, x, y) { // the same pixel in every panel
@@ -143,9 +155,9 @@ function readout() { // values of the pixel under the pointer, of A, B and the r
 }
 
 function pixelLines(column, row) {
-  const [x0, y0] = clip().origin;
+  const [x0, y0] = clip().region ?? [0, 0], by = clip().shrunk;
   const place = 4 * (row * layout().width + column);
-  const lines = [`pixel (${x0 + column}, ${y0 + row})`];
+  const lines = [`pixel (${x0 + by * column}, ${y0 + by * row})` + (by > 1 ? `, mean of ${by}x${by}` : "")];
   for (const name of new Set([state.a, state.b, data.reference])) {
     const pixels = picture(state.clip, name, state.frame, false);
     if (!pixels) continue;

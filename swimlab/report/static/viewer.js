@@ -70,6 +70,10 @@ const actions = {
     element("help").showModal();
     element("help").scrollTop = 0;
   },
+  loop() {
+    loop.running = !loop.running;
+    if (loop.running) loopBeside();
+  },
   play() {
     state.playing = !state.playing && clip().frames.length > 1;
     if (state.playing) play();
@@ -79,34 +83,48 @@ const actions = {
 
 const KEYS = {
   " ": "flip", s: "split", h: "heat", ArrowLeft: "previous", ArrowRight: "next", w: "worst", "shift w": "worstOfAll",
-  p: "play", "+": "brighter", "shift +": "brighter", "=": "brighter", "-": "darker", z: "closer", x: "farther",
+  p: "play", d: "loop", "+": "brighter", "shift +": "brighter", "=": "brighter", "-": "darker", z: "closer", x: "farther",
   0: "reset", n: "nextA", "shift n": "previousA", m: "nextB", "shift m": "previousB", "?": "help", "shift ?": "help",
   "shift ArrowLeft": "left", "shift ArrowRight": "right", "shift ArrowUp": "up", "shift ArrowDown": "down",
 };
 
 // ---- playing: the frame that is due by the clock; it waits for pictures that are still being loaded
 
-let runs = 0;
-function play() {
-  const run = ++runs;
+function playFrames({ running, next, fps, isReady, show }) { // next: how many are due -> the frame to show
   let shownAt = performance.now();
   const tick = (now) => {
-    if (!state.playing || run !== runs) return;
-    const due = Math.floor((now - shownAt) / 1000 * state.fps + 0.1);
-    const next = (state.frame + due) % clip().frames.length;
-    if (due > 0 && isReady(next)) {
-      state.frame = next;
-      shownAt += due / state.fps * 1000;
-      requestDraw();
-    } else if (due > 0) shownAt = now - 1000 / state.fps;
+    if (!running()) return;
+    const due = Math.floor((now - shownAt) / 1000 * fps() + 0.1);
+    const index = due > 0 ? next(due) : null;
+    if (due > 0 && index !== null && isReady(index)) {
+      shownAt += due / fps() * 1000;
+      show(index);
+    } else if (due > 0) shownAt = now - 1000 / fps();
     requestAnimationFrame(tick);
   };
   requestAnimationFrame(tick);
 }
 
-function isReady(index) {
-  return panels().every(([, name, heat]) => [heat < HEAT_ALONE, heat > 0].every((wanted, map) =>
-    !wanted || picture(state.clip, name, index, map > 0) || failed.has(keyOf(state.clip, name, index, map > 0))));
+let runs = 0;
+function play() {
+  const run = ++runs;
+  playFrames({
+    running: () => state.playing && run === runs,
+    next: (due) => (state.frame + due) % clip().frames.length,
+    fps: () => state.fps,
+    isReady,
+    show: (index) => {
+      state.frame = index;
+      requestDraw();
+    },
+  });
+}
+
+const isReady = (index) => panels().every(([, name, heat]) => isLoaded(state.clip, name, index, heat));
+
+function isLoaded(place, name, index, heat) { // or cannot be
+  return [heat < HEAT_ALONE, heat > 0].every((wanted, map) =>
+    !wanted || picture(place, name, index, map > 0) || failed.has(keyOf(place, name, index, map > 0)));
 }
 
 // ---- listening
@@ -185,6 +203,7 @@ function listen() {
     requestDraw();
   });
   listenToPointer();
+  listenBeside();
 }
 
 if (data.clips.length) {
