@@ -120,6 +120,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "kept energy": Tolerance(0.03, "relative; some 1e5 values of noise, octaves that a zoom shifts"),
     "a table of a spline": Tolerance(3e-3, "share of the energy; 16 steps of places, nearest"),
     "left out": Tolerance(1e-4, "radiance^2 of a variance of 1; 4e-6 with all rules, above 4e-3 without one"),
+    "followed place": Tolerance(0.02, "px; vectors linear between pixels, each step to .01 px at most"),
     "correspondence": Tolerance(1e-3, "px; four fields in float32, inverted to 1e-4 px each"),
     "published FLIP": Tolerance(5e-5, "float32 transforms: OpenImageIO is off by 4.3e-5"),
     "two FLIPs": Tolerance(1e-3, "two implementations in float32"),

@@ -44,6 +44,12 @@ def error_codes(test: Image, reference: Image) -> Picture:
     return np.where(reference[..., 3] >= COVERED, steps, UNMEASURED).astype(np.uint8)
 
 
+def difference_codes(difference: Image) -> Picture:
+    """Code differences of linear radiance as grey 128 where there is none, 255 and 1 at ERROR_RANGE more and less."""
+    codes: Picture = np.rint(np.clip(difference / ERROR_RANGE, -1, 1) * 127 + 128).astype(np.uint8)
+    return codes
+
+
 def webp(picture: Picture) -> str:
     """Lossless WebP of sRGB codes [H, W, 3] or grey codes [H, W], as base64 text. Raises OSError."""
     import OpenImageIO as oiio  # noqa: N813, heavy

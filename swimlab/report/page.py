@@ -19,6 +19,7 @@ from swimlab.report.profiles import profiles
 from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
+from swimlab.report.worst import worst
 from swimlab.runs.columns import MARKS
 from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
@@ -165,7 +166,12 @@ def _section(
         "name": run.sequence,
         "headline": headline(mine),
         "table": score_table(mine, run.milliseconds),
-        "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours), *profiles(run)],
+        "figures": [
+            *speed(mine, run.milliseconds, colours),
+            *figures(mine, colours),
+            *worst(run, mine, clips),
+            *profiles(run),
+        ],
         "maps": maps(run, mine),
         "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
         "score_names": names,

@@ -200,6 +200,7 @@ function listen() {
   window.addEventListener("hashchange", () => {
     if (!location.hash.includes("=")) return; // a place on the page, not a view
     readAddress();
+    screen.scrollIntoView({ block: "nearest" });
     requestDraw();
   });
   listenToPointer();

@@ -1,6 +1,7 @@
 """The report in a headless Chromium: links, motion, phone, colour schemes and the report in a folder."""
 
 import copy
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -135,6 +136,20 @@ def test_frames_are_scrubbed(visit: Callable[..., Page], report: str, run: Path)
     page.locator("#fps").fill("12")
     page.locator("#fps").press("Enter")
     assert page.evaluate("state.fps") == 12
+
+
+def test_a_worst_region_is_linked_to_the_viewer(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report)
+    link = page.locator("figure:has(h4:text-is('Worst errors')) svg a").filter(has_text="tsl")
+    x, y = map(int, re.findall(r"at \((\d+), (\d+)\)", link.text_content() or "")[0])
+    link.click()
+    settle(page)
+    assert page.evaluate("[state.clip, state.a, clip().frames[state.frame]]") == [0, "tsl", WORST]
+    left, top = place_of(page, (x, y))
+    box = page.locator("#screen").bounding_box()
+    assert box
+    assert (left >= 0, top >= 0, left < box["width"], top < box["height"]) == (True,) * 4
+    assert -1 <= box["y"] < 900  # places of boxes are rounded
 
 
 def test_worst_of_all_goes_to_another_clip(visit: Callable[..., Page], run: Path, scores: dict[str, Any]) -> None:
