@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from swimlab.report.display import error_codes, srgb, webp
+from swimlab.report.display import BEYOND, error_codes, srgb, webp, wide_codes
 from swimlab.report.recorded import Run
 from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE
@@ -28,7 +28,8 @@ Region = tuple[int, int, int, int]
 class Clip:
     """Consecutive pictures of every technique in one region (x, y, width, height in px; None: whole frames).
 
-    shrunk: each pixel is the mean of so many rows and columns of the frame's. pictures and errors: technique -> base64
+    shrunk: each pixel is the mean of so many rows and columns of the frame's. wide: pictures are coded for radiance
+    above 1, as `display.wide_codes` has it. pictures and errors: technique -> base64
     WebP by frame number. sizes: frame number -> (width, height). compared: the techniques that have errors. folder:
     where the pictures are if not in here, relative to the page.
     """
@@ -36,6 +37,7 @@ class Clip:
     run: Run
     region: Region | None = None
     shrunk: int = 1
+    wide: bool = False
     pictures: dict[str, dict[int, str]] = field(default_factory=dict)
     errors: dict[str, dict[int, str]] = field(default_factory=dict)
     sizes: dict[int, tuple[int, int]] = field(default_factory=dict)
@@ -78,27 +80,34 @@ def choose_clips(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]], budg
 
 def _clips_of(run: Run, entries: Sequence[Mapping[str, Any]], budget: int) -> list[Clip]:
     order = list(reversed(run.frames)) if run.resizes else outwards(run.frames, liveliest(run, entries))
-    detail = detail_of(run, order, int(DETAIL_SHARE * budget))
-    tried = (fill(run, order, None, budget - sum(clip.size() for clip in detail), shrunk) for shrunk in SHRUNK)
+    wide = is_wide(run, order)
+    detail = detail_of(run, order, int(DETAIL_SHARE * budget), wide=wide)
+    left = budget - sum(clip.size() for clip in detail)
+    tried = (fill(Clip(run, shrunk=shrunk, wide=wide), order, left) for shrunk in SHRUNK)
     whole = next((clip for clip in tried if clip.sizes), None)
     return [*([whole] if whole is not None else []), *detail]
 
 
-def detail_of(run: Run, order: Sequence[int], budget: int) -> list[Clip]:
+def is_wide(run: Run, order: Sequence[int]) -> bool:
+    """Whether a picture is brighter than 1 in the first, the middle or the last of the frames, in the order given."""
+    probed = {order[0], order[len(order) // 2], order[-1]}
+    return any((_read(run, name, frame, None)[..., :3] > BEYOND).any() for frame in probed for name in run.techniques)
+
+
+def detail_of(run: Run, order: Sequence[int], budget: int, *, wide: bool) -> list[Clip]:
     """The detail in which pictures differ most, frames in the given order; none where it would not move or not fit."""
     if run.resizes or len(order) < 2:
         return []
     width = min(MOST_DETAIL, max(LEAST_DETAIL, run.settings["size"][0] // 12))
-    clip = fill(run, order, disputed_region(run, order[0], (width, width * 2 // 3)), budget)
+    clip = fill(Clip(run, disputed_region(run, order[0], (width, width * 2 // 3)), wide=wide), order, budget)
     return [clip] if len(clip.sizes) > 1 else []
 
 
-def fill(run: Run, order: Iterable[int], region: Region | None, budget: int, shrunk: int = 1) -> Clip:
-    """Encode frames in the given order until the next one would go over the budget."""
-    clip = Clip(run, region, shrunk)
+def fill(clip: Clip, order: Iterable[int], budget: int) -> Clip:
+    """Encode frames into a clip in the given order until the next one would go over the budget."""
     used = 0
     for frame in order:
-        step = encode(run, frame, region, shrunk)
+        step = encode(clip, frame)
         used += step.size()
         if used > budget:
             break
@@ -106,19 +115,18 @@ def fill(run: Run, order: Iterable[int], region: Region | None, budget: int, shr
     return clip
 
 
-def encode(run: Run, frame: int, region: Region | None, shrunk: int = 1) -> Clip:
-    """Encode one frame of every technique, with its error against the reference where there is one."""
+def encode(clip: Clip, frame: int) -> Clip:
+    """One frame of every technique as a clip has it, with its error against the reference where there is one."""
+    run, codes = clip.run, wide_codes if clip.wide else srgb
     with ThreadPoolExecutor() as pool:
-        read = pool.map(lambda name: shrink(_read(run, name, frame, region), shrunk), run.techniques)
+        read = pool.map(lambda name: shrink(_read(run, name, frame, clip.region), clip.shrunk), run.techniques)
         images = dict(zip(run.techniques, read, strict=True))
         tests = tuple(n for n in run.techniques if n != REFERENCE and REFERENCE in images)
-        pictures = pool.map(lambda n: webp(srgb(images[n][..., :3])), run.techniques)
+        pictures = pool.map(lambda n: webp(codes(images[n][..., :3])), run.techniques)
         errors = pool.map(lambda n: webp(error_codes(images[n], images[REFERENCE])), tests)
         height, width = images[run.techniques[0]].shape[:2]
         return Clip(
             run,
-            region,
-            shrunk,
             pictures={name: {frame: text} for name, text in zip(run.techniques, pictures, strict=True)},
             errors={name: {frame: text} for name, text in zip(tests, errors, strict=True)},
             sizes={frame: (width, height)},

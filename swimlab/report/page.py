@@ -10,13 +10,25 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.report.clips import BUDGET, DETAIL_SHARE, Clip, choose_clips, detail_of, encode, liveliest, outwards
+from swimlab.report.clips import (
+    BUDGET,
+    DETAIL_SHARE,
+    Clip,
+    choose_clips,
+    detail_of,
+    encode,
+    is_wide,
+    liveliest,
+    outwards,
+)
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
+from swimlab.report.motion_map import checked_motion, motion_map
 from swimlab.report.palette import Ink, inks
 from swimlab.report.profiles import profiles
 from swimlab.report.recorded import ReportError, Run, open_run
+from swimlab.report.sentences import listed
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
 from swimlab.report.worst import worst
@@ -63,9 +75,10 @@ def write_report_folder(
     with replacing_folder(destination) as folder:
         clips = []
         for place, run in enumerate(opened):
-            clips.append(write_pictures(run, folder, place))
             order = outwards(run.frames, liveliest(run, scores["sequences"]))
-            clips += detail_of(run, order, int(DETAIL_SHARE * BUDGET) // len(opened))
+            wide = is_wide(run, order)
+            clips.append(write_pictures(Clip(run, wide=wide, folder=f"{PICTURES}/{place}"), folder))
+            clips += detail_of(run, order, int(DETAIL_SHARE * BUDGET) // len(opened), wide=wide)
             advance(run.sequence)
         write_text(folder / PAGE, _page(opened, scores, clips))
 
@@ -111,6 +124,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             css=Markup(_static("report.css") + _static("charts.css")),
             script=Markup("".join(_static(name) for name in SCRIPTS)),
             folder=any(clip.folder for clip in clips),
+            wide=[clip.run.sequence for clip in clips if clip.wide and clip.region is None],
         )
     )
 
@@ -171,13 +185,24 @@ def _section(
             *figures(mine, colours),
             *worst(run, mine, clips),
             *profiles(run),
+            *motion_map(run, mine),
         ],
         "maps": maps(run, mine),
-        "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
+        "notes": _notes(mine),
+        "motion": checked_motion(mine),
         "score_names": names,
         "entries": mine,
         "clips": [_caption(clip) for clip in clips if clip.run is run],
     }
+
+
+def _notes(entries: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Note -> whom it is of, "" where it is of all."""
+    of: dict[str, list[str]] = {}
+    for entry in entries:
+        for note in dict.fromkeys(entry.get("notes", [])):
+            of.setdefault(note, []).append(entry["technique"])
+    return {note: "" if len(names) == len(entries) else listed(names) for note, names in of.items()}
 
 
 def _techniques(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -210,6 +235,8 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "frames": clip.frames,
         "region": clip.region,
         "shrunk": clip.shrunk,
+        "wide": clip.wide,
+        "tone": _tone(clip.run, mine),
         "farthest": _farthest(mine),
         "compared": clip.compared,
         "sizes": [clip.sizes[frame] for frame in clip.frames],
@@ -218,6 +245,12 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
         "worst": {name: max(rows, key=lambda frame: rows[frame]) for name, rows in mse.items() if rows},
     }
+
+
+def _tone(run: Run, entries: Sequence[Mapping[str, Any]]) -> str:
+    """The tone map by which the scores saw the pictures, else that of the sequence's [display]; "none" clips."""
+    shown = [entry["display"] for entry in entries if "display" in entry] or [run.settings.get("display", {})]
+    return str(shown[0].get("tone_map", "none"))
 
 
 def _farthest(entries: Sequence[Mapping[str, Any]]) -> str:
@@ -251,12 +284,12 @@ PAGE = "index.html"
 PICTURES = "pictures"
 
 
-def write_pictures(run: Run, report: Path, place: int) -> Clip:
-    """Write the whole frames of a run as scripts into the folder `report`/pictures/`place`."""
-    clip = Clip(run, folder=f"{PICTURES}/{place}")
+def write_pictures(clip: Clip, report: Path) -> Clip:
+    """Write the whole frames of a clip's run as scripts into its folder of the report."""
+    run = clip.run
     (report / clip.folder).mkdir(parents=True)
     for frame in run.frames:
-        step = encode(run, frame, None)
+        step = encode(clip, frame)
         for technique in run.techniques:
             name = f"{clip.folder}/{technique}.{frame:04d}.js"
             error = step.errors.get(technique, {}).get(frame)

@@ -46,7 +46,8 @@ function drawBeside() {
   insetBrush.setTransform(ratio, 0, 0, ratio, 0, 0);
   insetBrush.imageSmoothingEnabled = false;
   for (const [name, left, top] of at.places) {
-    const canvas = develop(loop.of, name, loop.frame, detail.compared.includes(name) ? state.heat : 0, state.exposure);
+    const canvas = develop(loop.of, name, loop.frame, detail.compared.includes(name) ? state.heat : 0,
+      state.exposure, state.tone);
     if (canvas) insetBrush.drawImage(canvas, left, top, at.width * at.scale, at.height * at.scale);
     label(insetBrush, [name, name === clip().farthest && at.places.length > 2 ? "(farthest)" : ""], left, top);
   }

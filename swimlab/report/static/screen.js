@@ -41,7 +41,7 @@ function fitScreen() {
 function drawPanel(i, letter, technique, heat) {
   const at = layout();
   const [left, top] = at.place(i);
-  const canvas = develop(state.clip, technique, state.frame, heat, state.exposure);
+  const canvas = develop(state.clip, technique, state.frame, heat, state.exposure, state.tone);
   context.save();
   context.beginPath();
   const gap = panels().length > 1 ? 1 : 0;
@@ -98,8 +98,9 @@ function drawNumbers(at, technique, heat, x, y) { // radiance R, G, B, or the er
   context.font = `${size}px ui-monospace, monospace`;
   context.textAlign = "center";
   context.textBaseline = "middle";
+  const table = developed(state.clip, state.exposure, state.tone);
   const isBright = (code) => (heat === HEAT_ALONE ? Math.abs(errorOf(code)) < 0.6 * data.error.range
-    : heat === 0 && decode(code) * 2 ** state.exposure > 0.25);
+    : heat === 0 && table[code] > 137); // sRGB of a quarter
   const range = (start, end, count) => [Math.max(0, Math.floor(start)), Math.min(count, Math.ceil(end))];
   const [first, last] = range(-x / at.scale, (screen.clientWidth - x) / at.scale, at.width);
   const [upper, lower] = range(-y / at.scale, (screen.clientHeight - y) / at.scale, at.height);
@@ -117,7 +118,10 @@ function drawNumbers(at, technique, heat, x, y) { // radiance R, G, B, or the er
 
 // ---- words
 
-const radianceText = (code) => (code === 255 ? "≥1" : decode(code).toFixed(3));
+function radianceText(code) { // of the pictures of this clip
+  const radiance = radianceOf(state.clip)[code];
+  return code === 255 ? `≥${radiance.toPrecision(3).replace(/\.0*$/, "")}` : radiance.toFixed(radiance < 10 ? 3 : 0);
+}
 
 function errorText(code) {
   if (code === 0) return "–";
@@ -137,7 +141,7 @@ function describe() {
     state.message,
   ].filter(Boolean).join(" · ");
   element("frame-number").textContent = clip().frames[state.frame];
-  for (const [id, key] of [["clip", "clip"], ["a", "a"], ["b", "b"], ["frame", "frame"], ["fps", "fps"]]) {
+  for (const [id, key] of [["clip", "clip"], ["a", "a"], ["b", "b"], ["frame", "frame"], ["fps", "fps"], ["tone", "tone"]]) {
     if (document.activeElement !== element(id) || id !== "fps") element(id).value = state[key];
   }
   const pressed = { flip: state.flipped, split: state.split, heat: state.heat > 0, play: state.playing };
@@ -164,7 +168,8 @@ function pixelLines(column, row) {
     const codes = Array.from(pixels.data.slice(place, place + 3));
     const errors = picture(state.clip, name, state.frame, true);
     lines.push([
-      name.padEnd(16), `radiance ${codes.map(radianceText).join(" ")}`, `sRGB ${codes.join(" ")}`,
+      name.padEnd(16), `radiance ${codes.map(radianceText).join(" ")}`,
+      `sRGB ${codes.map((code) => encode(radianceOf(state.clip)[code])).join(" ")}`,
       errors ? `error ${errorText(errors.data[place])}` : "",
     ].join("  ").trimEnd());
   }

@@ -57,7 +57,7 @@ const actions = {
   darker() { state.exposure = Math.max(-8, state.exposure - 0.5); },
   closer() { zoomMiddle(2 ** 0.5); },
   farther() { zoomMiddle(0.5 ** 0.5); },
-  reset() { Object.assign(state, { exposure: 0, zoom: 1, x: 0.5, y: 0.5 }); },
+  reset() { Object.assign(state, { exposure: 0, tone: clip().tone, zoom: 1, x: 0.5, y: 0.5 }); },
   nextA() { stepTechnique("a", 1); },
   previousA() { stepTechnique("a", -1); },
   nextB() { stepTechnique("b", 1); },
@@ -179,6 +179,7 @@ function listen() {
     chooseClip(Number(value));
     screen.scrollIntoView({ block: "nearest" }); // all of it: the upper part of a whole picture is often sky
   });
+  element("tone").onchange = chosen((value) => { state.tone = value; });
   for (const letter of ["a", "b"]) element(letter).onchange = chosen((value) => chooseTechnique(letter, value));
   element("frame").oninput = chosen((value) => { state.frame = Number(value); });
   element("fps").onchange = chosen((value) => {
@@ -209,6 +210,8 @@ function listen() {
 
 if (data.clips.length) {
   options(element("clip"), data.clips.map((item) => item.name));
+  const views = { none: "clipped", reinhard: "Reinhard", aces: "ACES fit" };
+  element("tone").replaceChildren(...Object.entries(views).map(([tone, name]) => new Option(name, tone)));
   for (const text of ["≤ −1", "−½", "0", "+½", "≥ +1"]) {
     const tick = text.replace("1", data.error.range).replace("½", data.error.range / 2);
     element("legend-ticks").append(Object.assign(document.createElement("span"), { textContent: tick }));
