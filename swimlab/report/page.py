@@ -31,11 +31,14 @@ from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.sentences import listed
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
-from swimlab.report.worst import worst
+from swimlab.report.worst import worst, worst_frames
 from swimlab.runs.columns import MARKS
 from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
+
+BY_FRAME = ("mse", "frame_mse", "change")
+"""By which of an entry's values frames are ranked: the first that is known."""
 
 SCRIPTS = ("pictures.js", "view.js", "screen.js", "beside.js", "pointer.js", "viewer.js", "charts.js")
 
@@ -124,6 +127,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             css=Markup(_static("report.css") + _static("charts.css")),
             script=Markup("".join(_static(name) for name in SCRIPTS)),
             folder=any(clip.folder for clip in clips),
+            compared=any(REFERENCE in run.techniques for run in opened),
             wide=[clip.run.sequence for clip in clips if clip.wide and clip.region is None],
         )
     )
@@ -222,10 +226,7 @@ def _caption(clip: Clip) -> str:
 
 def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     mine = [entry for entry in entries if entry["sequence"] == clip.run.sequence]
-    mse = {
-        entry["technique"]: {row["frame"]: row["mse"] for row in entry.get("frames", []) if row.get("mse") is not None}
-        for entry in mine
-    }
+    by_frame = {entry["technique"]: dict(worst_frames(entry.get("frames", []), *BY_FRAME)) for entry in mine}
     return {
         "sequence": clip.run.sequence,
         "name": f"{clip.run.sequence}: {_caption(clip)}",
@@ -242,8 +243,9 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "sizes": [clip.sizes[frame] for frame in clip.frames],
         "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
         "errors": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.errors.items()},
-        "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
-        "worst": {name: max(rows, key=lambda frame: rows[frame]) for name, rows in mse.items() if rows},
+        "squared": {name: [by_frame.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
+        "is": "error" if REFERENCE in clip.run.techniques else "change",
+        "worst": {name: next(iter(rows)) for name, rows in by_frame.items() if rows},
     }
 
 

@@ -17,11 +17,11 @@ function moveView(dx, dy) {
   pan(dx * PAN / scale, dy * PAN / scale);
 }
 
-function worstIn(clips) { // [clip, frame] where A errs most, by place
-  let most = null, error = -1;
+function worstIn(clips) { // [clip, frame] where A errs most, by place, or changes most without a reference
+  let most = null, largest = -1;
   for (const i of clips) {
-    (data.clips[i].mse[state.a] ?? []).forEach((mse, frame) => {
-      if (mse !== null && mse > error) [most, error] = [[i, frame], mse];
+    (data.clips[i].squared[state.a] ?? []).forEach((squared, frame) => {
+      if (squared !== null && squared > largest) [most, largest] = [[i, frame], squared];
     });
   }
   return most;
@@ -30,15 +30,15 @@ function worstIn(clips) { // [clip, frame] where A errs most, by place
 function goToWorst(clips) {
   const found = worstIn(clips);
   if (!found) {
-    state.message = `the error of ${state.a} by frame is not known here`;
+    state.message = `the ${clip().is} of ${state.a} by frame is not known here`;
     return;
   }
   if (found[0] !== state.clip) chooseClip(found[0]);
   state.frame = found[1];
   state.flipped = false;
   const here = clip().frames[state.frame], worst = clip().worst[state.a];
-  const rms = Math.sqrt(clip().mse[state.a][state.frame]).toFixed(3);
-  state.message = `${state.a}: rms error ${rms}, ` +
+  const rms = Math.sqrt(clip().squared[state.a][state.frame]).toPrecision(3);
+  state.message = `${state.a}: rms ${clip().is} ${rms}, ` +
     (here === worst ? "its worst frame" : `the worst in here; its worst of all is frame ${worst}`);
 }
 
