@@ -79,8 +79,9 @@ class BroughtPictures:
         if technique not in self._opened:
             if technique not in self._inputs:
                 raise FrameError(f"there is no {technique}")
-            for what in {technique, "mask"} & self._inputs.keys():
-                check_unchanged(what, self._inputs[what])
+            for what in (technique, "mask"):
+                if what in self._inputs:
+                    check_unchanged(what, self._inputs[what])
             name = next(iter(self._requests)) if technique == REFERENCE else technique
             request = self._requests[name]
             source = Source(open_frames(request.test, frames=request.frames), request.look)
