@@ -120,4 +120,4 @@ class _Scene:
         return covered * disc + (1 - covered) * ground
 
     def _motion(self, t: int) -> NDArray[np.float32]:
-        return np.where((self._away(t) < 0)[..., None], np.float32(DISC), np.float32(GROUND))
+        return np.where((self._away(t) < 0)[..., None], np.array(DISC, np.float32), np.array(GROUND, np.float32))

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import log10
+from math import log10, sqrt
 
 import cv2
 import numpy as np
@@ -42,8 +42,8 @@ def _psnr(test: Clip, reference: Clip) -> float:
 
 def _ssim(test: Clip, reference: Clip) -> float:
     def one(t: int) -> float:
-        pictures = (255 * displayed(clip, t) for clip in (reference, test))
-        return float(np.mean(cv2.quality.QualitySSIM_compute(*pictures)[0][:3]))
+        exact, picture = (255 * displayed(clip, t) for clip in (reference, test))
+        return float(np.mean(cv2.quality.QualitySSIM.create(exact).compute(picture)[:3]))
 
     return float(np.mean([one(t) for t in range(test.count)]))
 
@@ -94,7 +94,7 @@ def _ours(score: str, test: Clip, reference: Clip) -> float:
     found = measure(test, reference, names=[score.partition(".")[0]])
     if score not in found.scores:
         raise PeerError(f"{score}: {found.absent.get(score, 'is absent')}")
-    return max(0.0, found.scores[score]) ** 0.5
+    return sqrt(max(0.0, found.scores[score]))
 
 
 OTHERS = (

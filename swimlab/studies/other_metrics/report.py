@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from metrics.kernels.launch import Launcher
+from metrics.synthetic import KINDS
 from sequences import load
 from swimlab.runs.provenance import provenance
 from swimlab.studies.other_metrics import clips
@@ -33,7 +34,7 @@ Column = dict[str, float | str]
 
 def steps() -> int:
     """How often `advance` is called."""
-    return len(clips.KINDS) + 4 + len(LADDER) + len(OTHER_TECHNIQUES)
+    return len(KINDS) + 4 + len(LADDER) + len(OTHER_TECHNIQUES)
 
 
 def write_report(
