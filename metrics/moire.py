@@ -143,7 +143,7 @@ class Moire:
             power = self._mean(size, [other for other in strips if other != strip])
             followed = leading and follow_peak(power["error"], leading, independent=independent)
             left.append(_values(power, followed))
-        names = set.intersection(*map(set, left))
+        names = [name for name in left[0] if all(name in values for values in left)]
         return {name: [values[name] for values in left] for name in names}
 
 

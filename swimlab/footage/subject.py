@@ -76,7 +76,7 @@ class Subject:
         if request.depth is not None:
             self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
             self._match(self.depth.reader, "depth")
-        self._warn_of_loss()
+        self._tell_of_files()
         for source in filter(None, (self.test, self.reference)):
             source.measured = self._stated_coverage()
         self.kept = self._good_frames()
@@ -280,21 +280,33 @@ class Subject:
         test = self.test.reader
         if still and len(reader.numbers) == 1:
             return
-        if len(reader.numbers) != len(test.numbers):
-            raise FrameError(
-                f"--{what} {reader.name}: has {len(reader.numbers)} frames ({frame_range(reader.numbers)}), the test "
-                f"{len(test.numbers)} ({frame_range(test.numbers)}); they must match"
-            )
+        count, times = len(reader.numbers), len(test.numbers)
+        if count != times:
+            has = f"--{what} {reader.name}: has {count} frames ({frame_range(reader.numbers)}), the test "
+            if test.gaps and count == times - len(test.gaps):
+                raise FrameError(
+                    f"{has}as many, at uneven times, which number them to {test.numbers[-1]}: give one a time, those "
+                    "without a frame too, or write the test at a constant rate"
+                )
+            raise FrameError(f"{has}{times} ({frame_range(test.numbers)}); they must match")
         if reader.numbers != test.numbers:
             self.note(
                 f"{what} frames {frame_range(reader.numbers)} go with test frames {frame_range(test.numbers)}, in order"
             )
 
-    def _warn_of_loss(self) -> None:
-        for source in (self.test, self.reference):
-            if source is not None and source.reader.header.compression in LOSSY:
-                compression = source.reader.header.compression
-                self.note(f"{source.reader.name}: {compression} compression is lossy and itself makes flicker")
+    def _tell_of_files(self) -> None:
+        """Say what files do to their frames. Raises FrameError where that leaves a request without meaning."""
+        for source in filter(None, (self.test, self.reference)):
+            header, name = source.reader.header, source.reader.name
+            if header.compression in LOSSY:
+                self.note(f"{name}: {header.compression} compression is lossy and itself makes flicker")
+            if header.oblong and self.request.pixels_per_degree is not None:
+                raise FrameError(
+                    f"--pixels-per-degree: {name} has pixels {header.oblong}, so that no one number holds for both "
+                    "directions; write its frames with square pixels"
+                )
+            if header.oblong:
+                self.note(f"{name}: its pixels are {header.oblong}; lengths and frequencies are in its own px")
 
     def _beware(self, text: str) -> None:
         """Keep what may make the scores wrong, and warn of it."""

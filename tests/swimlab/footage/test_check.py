@@ -330,3 +330,21 @@ def test_shots_of_one_frame_are_doubted():
     found = check(uniform((1.0, 0.0)), [surface(seed=1), surface(seed=2)])
     assert found.verdict == "unchecked"
     assert found.doubt
+
+
+@pytest.mark.parametrize(("change", "said"), [(0.0, True), (0.2, False)])
+def test_a_direction_that_steady_motion_does_not_tell_is_said(change, said):
+    """Vectors of frame t hold the step from t - 1; read as forward, those of the next frame do."""
+    steps = [1.5 + change * t for t in range(COUNT)]
+
+    class Told(Vectors):
+        def variants(self):
+            later = [*fields_of(steps[1:]), self._fields[-1]]
+            return {"forward": ("--motion-direction forward", Vectors(later))}
+
+    def fields_of(speeds):
+        return [np.full((HEIGHT, WIDTH, 2), (speed, 0.0)) for speed in speeds]
+
+    found = check(Told(fields_of(steps)), [surface(place) for place in np.cumsum(steps)])
+    assert found.verdict == "verified"
+    assert ("forward vectors would fit as well" in found.note) == said
