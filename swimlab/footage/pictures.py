@@ -96,8 +96,8 @@ class BroughtPictures:
         with self._lock:
             test = self._source(next(iter(self._requests)))
             reference = self._source(REFERENCE) if REFERENCE in self._inputs else None
-        for what in {"motion", "motion mask", "motion jitter"} & self._inputs.keys():
-            check_unchanged(what, self._inputs[what])
+        moving = ("motion", "motion mask", "motion jitter")
+        check_unchanged({what: given for what, given in self._inputs.items() if what in moving})
         indices = [self._numbers.index(frame) for frame in frames]
         request = next(iter(self._requests.values()))
         found = open_motion(request, test, reference, indices, match=_as_measured, note=_unheard, say=_unheard).motion
