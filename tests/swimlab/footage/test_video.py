@@ -15,6 +15,7 @@ from swimlab.footage.subject import Subject
 from swimlab.footage.video_times import even_times
 from swimlab.runs.frames import FrameError
 
+pytestmark = pytest.mark.may_skip("CI does not install the extra video, whose libraries are large")
 with_av = pytest.mark.skipif(find_spec("av") is None, reason="needs the extra `video` (PyAV)")
 
 
