@@ -6,7 +6,7 @@ SOURCES := pyproject.toml README.md LICENSE $(shell find swimlab sequences metri
 export PIP_CONSTRAINT := $(CURDIR)/constraints.txt
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: study test clean
+.PHONY: study test docs clean
 
 study: .venv/installed
 	$(BIN)/swimlab study -o runs/study
@@ -18,6 +18,10 @@ test: .venv/tools .venv/installed
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
+
+# The site, in site/index.html; without network once the tools are there.
+docs: .venv/writers .venv/installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 .venv/builder: pyproject.toml constraints.txt
 	$(PYTHON) -m venv .venv
@@ -34,8 +38,12 @@ test: .venv/tools .venv/installed
 
 # What only the tests need, and the extras that they cover.
 .venv/tools: .venv/builder | .venv/installed
-	$(BIN)/pip install --quiet "$$(ls .venv/wheels/*.whl)[cluster,dev,notebook,table]"
+	$(BIN)/pip install --quiet "$$(ls .venv/wheels/*.whl)[cluster,dev,docs,notebook,table]"
+	touch $@
+
+.venv/writers: .venv/builder | .venv/installed
+	$(BIN)/pip install --quiet "$$(ls .venv/wheels/*.whl)[docs]"
 	touch $@
 
 clean:
-	rm -rf .venv runs
+	rm -rf .venv runs site

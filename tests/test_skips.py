@@ -24,7 +24,7 @@ def test_good(): ...
 """
 
 
-@pytest.mark.parametrize(("ci", "counts"), [("", "2 skipped"), ("true", "1 failed, 1 passed, 1 skipped, 1 xfailed")])
+@pytest.mark.parametrize(("ci", "counts"), [("", "2 skipped"), ("true", "1 passed, 1 skipped, 1 xfailed, 1 error")])
 def test_a_skip_without_a_reason_in_its_marker_fails_in_ci(tmp_path: Path, ci: str, counts: str) -> None:
     (tmp_path / "test_it.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    may_skip(reason): why\n", encoding="utf-8")
