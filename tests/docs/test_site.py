@@ -3,12 +3,14 @@
 import html
 import os
 import re
+import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import sync_playwright
 
 from metrics import METRICS
 from metrics.bands import BANDS
@@ -56,6 +58,28 @@ def test_nothing_is_loaded_from_another_machine(site):
         assert not [place for place in loaded if "//" in place and not place.startswith("data:")], path
     for path in site.rglob("*.css"):
         assert not [place for place in STYLED.findall(path.read_text(encoding="utf-8")) if "//" in place], path
+
+
+def test_the_search_works_from_files_and_asks_no_other_machine(site, request):
+    """By iframe-worker.js, since a browser starts no worker from a file."""
+    if sys.platform != "linux":
+        request.node.add_marker(pytest.mark.may_skip("CI has a chromium on Linux alone"))
+    chromium = shutil.which("chromium") or pytest.skip("chromium is not installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        page, asked, said = browser.new_page(), [], []
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.goto((site / "index.html").as_uri())
+        page.keyboard.press("/")
+        page.keyboard.type("jitter")
+        page.wait_for_function("/[0-9]+ matching/.test(document.querySelector('.md-search-result__meta').innerText)")
+        found = page.locator(".md-search-result__link").first.inner_text()
+        browser.close()
+    assert "jitter" in found.lower()
+    assert said == []
+    assert [address for address in asked if not address.startswith(("file:", "data:", "blob:"))] == []
 
 
 def test_every_picture_is_there(site):
