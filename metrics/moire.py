@@ -43,11 +43,18 @@ SCORES = {
         "lower",
         "energy above the reference's, by radial frequency, over the reference's energy",
         _SOURCE,
+        "sum over rings of max(0, P_test - P_reference), over sum of P_reference",
     ),
     "moire.peak_frequency": Metric(
-        "cycles/px", "information", "frequency of the error's strongest spectral peak", _SOURCE
+        "cycles/px",
+        "information",
+        "frequency of the error's strongest spectral peak",
+        _SOURCE,
+        "|k| of the peak of P_error",
     ),
-    "moire.peak_strength": Metric("dB", "lower", "power of that peak over the local floor", _SOURCE),
+    "moire.peak_strength": Metric(
+        "dB", "lower", "power of that peak over the local floor", _SOURCE, "10 log10(P_error / median around it)"
+    ),
 }
 
 KINDS = ("test", "reference", "error")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import pytest
+from skips import pytest_runtest_makereport  # noqa: F401 - a hook of pytest
 
 
 class Tolerance(NamedTuple):

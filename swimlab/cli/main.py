@@ -30,7 +30,7 @@ COMMANDS = {
     "info": "Say what a sequence, a run folder or frames of your own hold.",
     "selftest": "Measure clips with known answers and show both.",
     "doctor": "Check that everything swimlab needs works on this machine.",
-    "schema": "Print the JSON schema of sequence files or shot files, for editors.",
+    "schema": "Print the JSON schema of sequence, shot, gate or sweep files, for editors.",
 }
 
 app = App(

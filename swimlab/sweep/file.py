@@ -71,6 +71,11 @@ def load_sweep(path: Path) -> Sweep:
     return sweep
 
 
+def sweep_schema() -> dict[str, Any]:
+    """JSON schema (2020-12) of a sweep file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Sweep.model_json_schema()}
+
+
 def check(sweep: Sweep) -> list[str]:
     """What is wrong between keys that are well formed by themselves, as `key: what (hint)`, where all is rendered."""
     known = techniques()

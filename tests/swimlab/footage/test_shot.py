@@ -207,12 +207,6 @@ def test_a_drafted_shot_file_is_measured_as_it_is(swimlab, shot):
     assert (code, "is there already" in err) == (2, True)
 
 
-def test_the_schema_has_shot_files(swimlab):
-    code, out, _ = swimlab("schema", "shot")
-    assert code == 0
-    assert set(json.loads(out)["required"]) == {"version", "name", "builds"}
-
-
 def test_depth_splits_scores_into_bands(swimlab, shot):
     """Where all is far, the far band's score is the whole score."""
     far = np.full((HEIGHT, WIDTH, 1), 100, np.float32)

@@ -9,6 +9,7 @@ from metrics import Clip, ClipError
 from swimlab.scoring.peer import PeerError
 from swimlab.scoring.peer_scores import peer_scores, peers
 
+pytestmark = pytest.mark.may_skip("CI does not install the extras flip and vdp, of which one brings PyTorch")
 needs_flip = pytest.mark.skipif(
     importlib.util.find_spec("flip_evaluator") is None, reason="flip-evaluator is not installed: extra 'flip'"
 )
