@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from metrics.machine import cores
-from swimlab.footage.pattern import find_files
+from swimlab.footage.pattern import find_files, is_video
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.runs.frames import FrameError
 from swimlab.runs.hashes import hash_file
@@ -29,9 +29,10 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     Raises one FrameError, a line each, for all inputs that are not there.
     """
     first = next(iter(requests.values()))
+    of_files = first.motion not in (None, ESTIMATE) and first.velocity is None and not is_video(str(first.motion))
     shared = {
         REFERENCE: first.reference,
-        "motion": first.motion if first.motion != ESTIMATE and first.velocity is None else None,
+        "motion": first.motion if of_files else None,
         "motion mask": first.motion_mask,
         "depth": first.depth,
         "mask": first.mask,
