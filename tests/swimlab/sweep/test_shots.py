@@ -87,7 +87,7 @@ def test_a_build_that_fails_loses_no_other(swimlab, home, measured, here):
     (home / "two" / "1.exr").write_bytes(b"no picture")
     words = ("study", home / "corridor.toml", "-q", "-o", home / "run", "--engine", "dask")
     code, _, err = swimlab(*words)
-    assert (code, "corridor, two: " in err, "1.exr" in err) == (2, True, True)
+    assert (code, "corridor, two: " in err, "1.exr" in err, "skip_bad_frames = true" in err) == (2, True, True, True)
     (home / "two" / "1.exr").write_bytes(good)
     assert swimlab(*words)[0] == 0
     assert measured == [("corridor", "one"), ("corridor", "two")]
