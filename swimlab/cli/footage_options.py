@@ -67,6 +67,12 @@ class Footage:
         Channel of the mask, in place of its first.
     mask_part:
         As --part, of the mask.
+    depth:
+        Files of depth along the camera's axis, m, by which scores are split into bands.
+    depth_channels:
+        Their channel (default: the only one, or as named Z).
+    depth_part:
+        As --part, of the files of depth.
     crop:
         Part of the picture to measure, x,y,width,height in px.
     motion_convention:
@@ -132,6 +138,9 @@ class Footage:
     mask: str | None = None
     mask_channels: str | None = None
     mask_part: str | None = None
+    depth: str | None = None
+    depth_channels: str | None = None
+    depth_part: str | None = None
     crop: Annotated[str | None, Hyphens] = None
     motion_convention: Preset = "own"
     motion_channels: str | None = None
@@ -173,11 +182,11 @@ class Footage:
     def _request(self, test: str | None, domain: Literal["linear", "display"]) -> Request:
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
-        for of in ("mask", "motion_mask"):
+        for of in ("mask", "motion_mask", "depth"):
             given = [name for name in (f"{of}_channels", f"{of}_part") if getattr(self, name) is not None]
             if given and getattr(self, of) is None:
-                option, mask = (name.replace("_", "-") for name in (given[0], of))
-                raise FrameError(f"--{option}: is for a mask; give --{mask}, or leave it out")
+                option, needed = (name.replace("_", "-") for name in (given[0], of))
+                raise FrameError(f"--{option}: is for an input that is not given; give --{needed}, or leave it out")
         if test is None:
             raise FrameError("--test: is missing; name the frames to measure, or a run folder")
         return Request(
@@ -187,6 +196,9 @@ class Footage:
             mask=self.mask,
             mask_channels=self.mask_channels,
             mask_part=self.mask_part,
+            depth=self.depth,
+            depth_channels=self.depth_channels,
+            depth_part=self.depth_part,
             fps=self.fps,
             frames=self.range_of_frames,
             look=Look(self.channels, self.colorspace, self.alpha, self.part, _crop(self.crop)),

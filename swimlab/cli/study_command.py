@@ -20,7 +20,6 @@ from swimlab.cli.options import Rendering, technique_names
 from swimlab.cli.render_command import render_with_progress
 from swimlab.cli.score_table import print_scores
 from swimlab.cli.terminal import progress
-from swimlab.footage.keys import as_keys
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.report.contact import write_contact_sheet
 from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
@@ -124,9 +123,7 @@ def _measure_elsewhere(
         failures = shots.measure(list(shots.builds.values()), out, opened, threads=threads, show=show)
         failures |= shots.write(out, opened, command=shlex.join(["swimlab", *sys.argv[1:]]), show=show)
     if failures:
-        raise RunError(
-            "\n".join([*map(as_keys, failures.values()), "the same command tries them again, and keeps what is done"])
-        )
+        raise RunError("\n".join([*failures.values(), "the same command tries them again, and keeps what is done"]))
     shutil.rmtree(out / STORE, ignore_errors=True)
 
 

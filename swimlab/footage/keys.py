@@ -8,7 +8,7 @@ from pathlib import Path
 from metrics import ClipError
 from swimlab.runs.frames import FrameError
 
-_INPUTS = ("reference", "motion", "mask")
+_INPUTS = ("reference", "motion", "depth", "mask")
 """Inputs whose name stands before their options."""
 _FLAGS = ("skip_bad_frames", "motion.unverified")
 _KEYS = {

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from metrics.machine import cores
-from swimlab.footage.pattern import find_files
+from swimlab.footage.pattern import find_files, is_video
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.runs.frames import FrameError
 from swimlab.runs.hashes import hash_file
@@ -29,9 +29,10 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     Raises one FrameError, a line each, for all inputs that are not there.
     """
     first = next(iter(requests.values()))
+    of_files = first.motion not in (None, ESTIMATE) and first.velocity is None and not is_video(str(first.motion))
     shared = {
         REFERENCE: first.reference,
-        "motion": first.motion if first.motion != ESTIMATE and first.velocity is None else None,
+        "motion": first.motion if of_files else None,
         "motion mask": first.motion_mask,
         "depth": first.depth,
         "mask": first.mask,
@@ -54,14 +55,18 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     return found
 
 
-def hash_inputs(found: Mapping[str, Given], known: Inputs) -> dict[str, dict[str, Any]]:
-    """Inputs as run.json holds them. known: those of an earlier record; a file of its size and time is not read."""
-    before = {file["path"]: file for given in known.values() for file in given["files"]}
+def files_of(inputs: Inputs) -> dict[str, Mapping[str, Any]]:
+    """Path -> what is known of the file."""
+    return {file["path"]: file for given in inputs.values() for file in given["files"]}
+
+
+def hash_inputs(found: Mapping[str, Given], known: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Inputs as run.json holds them. known: as `files_of` gives; a file of the size and time there is not read."""
 
     def described(path: Path) -> dict[str, Any]:
         stat = path.stat()  # before it is read, so that a later change moves it
         now = {"path": str(path.absolute()), "bytes": stat.st_size, "modified": stat.st_mtime_ns}
-        earlier = before.get(now["path"], {})
+        earlier = known.get(str(now["path"]), {})
         same = {key: earlier.get(key) for key in now} == now and "sha256" in earlier
         return now | {"sha256": earlier["sha256"] if same else hash_file(path)}
 

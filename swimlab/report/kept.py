@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.report.page import write_report
-from swimlab.runs.files import replacing
+from swimlab.runs.files import clear_leftovers, replacing
 from swimlab.runs.hashes import hash_of
 from swimlab.runs.record import Record
 from swimlab.scoring.kept import hash_of_code
@@ -40,6 +40,7 @@ def is_made_of(page: Path, key: str | None) -> bool:
 
 def write_kept_report(runs: Sequence[Path], scores: Mapping[str, Any], page: Path, key: str | None) -> None:
     """Write a page as `write_report` does, with its key."""
+    clear_leftovers(page.parent, page.name)
     with replacing(page) as temporary:
         write_report(runs, scores, temporary)
         if key is not None:

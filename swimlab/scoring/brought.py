@@ -10,7 +10,7 @@ from typing import Any
 from swimlab.footage.brought import record_of, settings_of
 from swimlab.footage.builds import open_builds
 from swimlab.footage.request import Request
-from swimlab.footage.sources import Inputs, check_unchanged, find_inputs, hash_inputs
+from swimlab.footage.sources import Inputs, check_unchanged, files_of, find_inputs, hash_inputs
 from swimlab.footage.subject import Subject
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import read_scores, refuse_rendered, write_brought
@@ -55,7 +55,7 @@ def measure_brought(
     refuse_rendered(run)
     name = sequence or next(iter(requests.values())).name
     earlier = Record.read(run) if (run / "run.json").is_file() else None
-    inputs = hash_inputs(found, known or ({} if earlier is None else earlier.inputs))
+    inputs = hash_inputs(found, files_of(known or ({} if earlier is None else earlier.inputs)))
     keys = {} if peers else keys_of_builds(requests, inputs, device=device)
     entries = store or run / STORE
     kept = kept_entries(run, keys, entries)

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swimlab.footage.brought import from_anywhere
+from swimlab.footage.keys import as_keys
 from swimlab.footage.request import Request
-from swimlab.footage.sources import Inputs, check_unchanged, find_inputs, hash_inputs
+from swimlab.footage.sources import Inputs, check_unchanged, files_of, find_inputs, hash_inputs
 from swimlab.footage.subject import Subject
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.brought import inputs_of, measure_brought
@@ -57,9 +58,11 @@ class Shots:
         self.keys: dict[str, dict[str, str]] = {}
         self.builds: dict[str, Build] = {}
         code = hash_of_code()
+        known: dict[str, Mapping[str, Any]] = {}
         for name, requests, run in self.asked:
-            known = _known(run) | {f"{at} {of}": each for at, some in self.inputs.items() for of, each in some.items()}
+            known |= files_of(Record.read(run).inputs) if (run / "run.json").is_file() else {}
             inputs = self.inputs[name] = hash_inputs(find_inputs(requests), known)
+            known |= files_of(inputs)
             keys = self.keys[name] = keys_of_builds(requests, inputs, device="cpu")
             if not keys:
                 raise RunError(
@@ -79,7 +82,7 @@ class Shots:
             for build in builds
             if not build.path(out).is_file()
         ]
-        return perform(tasks, out, engine, what="measuring builds", show=show)
+        return _in_keys(perform(tasks, out, engine, what="measuring builds", show=show))
 
     def write(self, out: Path, engine: Engine, *, command: str, show: Show) -> dict[Path, str]:
         """Write the run folders of the shots all of whose builds are measured; the failures by file."""
@@ -89,7 +92,7 @@ class Shots:
             for each in self.asked
             if all(self.builds[key].path(out).is_file() for key in self.keys[each.name].values())
         ]
-        return perform(tasks, out, engine, what="writing runs", show=show)
+        return _in_keys(perform(tasks, out, engine, what="writing runs", show=show))
 
 
 def measure_into(build: Build, out: Path, threads: int | None) -> None:
@@ -117,10 +120,10 @@ def _check_code(code: str) -> None:
         raise RunError("this machine measures by another version of swimlab, or of what it stands on; install the same")
 
 
+def _in_keys(failures: Mapping[Path, str]) -> dict[Path, str]:
+    """Failures in the words of shot files."""
+    return {path: as_keys(text) for path, text in failures.items()}
+
+
 def _absolute(requests: Mapping[str, Request]) -> dict[str, Request]:
     return {name: from_anywhere(request) for name, request in requests.items()}
-
-
-def _known(run: Path) -> dict[str, Any]:
-    """The inputs of a run that is there."""
-    return dict(Record.read(run).inputs) if (run / "run.json").is_file() else {}

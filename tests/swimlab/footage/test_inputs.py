@@ -225,14 +225,15 @@ def test_a_mask_has_a_channel_and_a_part_of_its_own(clip, tmp_path):
     [
         (("--mask", "mask.exr", "--mask-channels", "A"), "--mask-channels A: mask.exr has Y; name one of them"),
         (("--mask", "mask.exr", "--mask-part", "none"), "--mask-part none: mask.exr has the parts"),
-        (("--mask-part", "0"), "--mask-part: is for a mask; give --mask"),
-        (
-            ("--motion", "1,0", "--motion-mask-channels", "A"),
-            "--motion-mask-channels: is for a mask; give --motion-mask",
-        ),
+        (("--mask-part", "0"), "--mask-part: is for an input that is not given; give --mask"),
+        (("--motion", "1,0", "--motion-mask-channels", "A"), "give --motion-mask, or leave it out"),
+        (("--depth-part", "0"), "give --depth, or leave it out"),
+        (("--depth", "z.####.exr", "--depth-channels", "Z"), "It has Y; name one with --depth-channels"),
+        (("--depth", "z.####.exr", "--depth-part", "none"), "--depth-part none: z.####.exr has the parts"),
     ],
 )
 def test_channels_and_parts_of_masks_that_are_not_there_are_refused(swimlab, clip, tmp_path, words, said):
+    clip("z", {"Y": GREY})
     write(tmp_path / "mask.exr", {"Y": GREY})
     code, _, err = swimlab("measure", "--test", clip("test", rgb(GREY)), *words)
     assert (code, said in err) == (2, True), err

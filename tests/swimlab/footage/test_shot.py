@@ -218,6 +218,10 @@ def test_depth_splits_scores_into_bands(swimlab, shot):
     assert code == 0, err
     scores = entries(shot / "deep")["blink"]["scores"]
     assert scores["budget.flicker.far"] == scores["budget.flicker"] > 0
+    words = ("--test", shot / "blink", "--reference", shot / "ref", "--motion=-1.25,0.625", "--depth", shot / "depth")
+    code, out, err = swimlab("measure", *words, "--json", "-q")
+    assert code == 0, err
+    assert json.loads(out)["sequences"][0]["scores"]["budget.flicker.far"] == scores["budget.flicker.far"]
 
 
 def test_a_study_of_two_shots_keeps_each_ones_settings(swimlab, shot):
@@ -322,10 +326,10 @@ def test_keys_stand_for_options():
 
 
 def test_what_stands_for_an_option_is_a_key_of_a_shot():
-    skipped = {"test", "name", "build", "sequence", "reference", "motion", "mask", "range-of-frames"}
+    skipped = {"test", "name", "build", "sequence", "reference", "motion", "depth", "mask", "range-of-frames"}
     options = {field.name.replace("_", "-") for field in fields(Footage)} - skipped
     schema = shot_schema()
-    places = {"": "Pictures", "reference": "Pictures", "motion": "Vectors", "mask": "Mask"}
+    places = {"": "Pictures", "reference": "Pictures", "motion": "Vectors", "depth": "Depth", "mask": "Mask"}
     tables = {table: set(schema["$defs"][name]["properties"]) for table, name in places.items()}
     tables |= {table: set(schema["$defs"][table.capitalize()]["properties"]) for table in ("viewing", "display")}
     tables[""] |= set(schema["properties"])

@@ -5,44 +5,19 @@ import os
 
 import numpy as np
 import pytest
+from small_shot import SHOT, SIDE, write_picture, write_shot
 
-from swimlab.runs.frames import write_channels
 from swimlab.scoring import footage, kept
-
-SIDE, COUNT = 48, 3
-SHOT = """
-version = 1
-name = "corridor"
-[reference]
-frames = "ref"
-[motion]
-velocity = [1.0, 0.0]
-[builds.one]
-frames = "one"
-[builds.two]
-frames = "two"
-"""
 
 
 def write(path, seed):
     """A frame of noise about 1."""
-    pixels = 1 + 0.1 * np.random.default_rng(seed).standard_normal((SIDE, SIDE, 3))
-    write_channels(path, pixels.astype(np.float32), ("R", "G", "B"), half=False, metadata={})
+    write_picture(path, 1 + 0.1 * np.random.default_rng(seed).standard_normal((SIDE, SIDE, 3)))
 
 
 @pytest.fixture
 def shot(tmp_path):
-    """A shot of noise that slides by 1 px a frame, and two builds that add noise of their own."""
-    scene = np.random.default_rng(0).standard_normal((SIDE, SIDE + COUNT, 3))
-    for t in range(COUNT):
-        true = 2 + 0.2 * scene[:, COUNT - t : COUNT - t + SIDE]
-        for place, name in enumerate(("ref", "one", "two")):
-            noise = 0.02 * place * np.random.default_rng(10 * place + t).standard_normal(true.shape)
-            path = tmp_path / name / f"{t}.exr"
-            write_channels(path, (true + noise).astype(np.float32), ("R", "G", "B"), half=False, metadata={})
-    path = tmp_path / "shot.toml"
-    path.write_text(SHOT, encoding="utf-8")
-    return path
+    return write_shot(tmp_path)
 
 
 @pytest.fixture
@@ -126,9 +101,8 @@ def test_files_that_are_touched_are_the_same(study, shot, measured):
 
 
 def test_a_build_that_was_measured_when_another_failed_is_kept(study, shot, measured):
-    pixels = np.full((SIDE, SIDE, 3), np.nan, np.float32)
     kept_bytes = (shot.parent / "two" / "2.exr").read_bytes()
-    write_channels(shot.parent / "two" / "2.exr", pixels, ("R", "G", "B"), half=False, metadata={})
+    write_picture(shot.parent / "two" / "2.exr", np.full((SIDE, SIDE, 3), np.nan))
     assert "2.exr" in study("-q", code=2)
     (shot.parent / "two" / "2.exr").write_bytes(kept_bytes)
     study("-q")

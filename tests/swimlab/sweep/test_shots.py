@@ -7,28 +7,13 @@ import threading
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 from distributed import LocalCluster
+from small_shot import SHOT, write_shot
 
-from swimlab.runs.frames import write_channels
 from swimlab.sweep import engine, shots
 from swimlab.sweep.engine import ANY_PORT
 
-SIDE, COUNT = 48, 3
-SHOT = """
-version = 1
-name = "{name}"
-[reference]
-frames = "ref"
-colorspace = "linear"
-[motion]
-velocity = [1.0, 0.0]
-[builds.one]
-frames = "one"
-[builds.two]
-frames = "two"
-"""
 SWEEP = """
 version = 1
 name = "looks"
@@ -41,16 +26,9 @@ techniques = ["one", "two"]
 
 @pytest.fixture
 def home(tmp_path):
-    """Two shots of noise that slides by 1 px a frame, and two builds that add noise of their own."""
-    scene = np.random.default_rng(0).standard_normal((SIDE, SIDE + COUNT, 3))
-    for t in range(COUNT):
-        true = 0.5 + 0.05 * scene[:, COUNT - t : COUNT - t + SIDE]
-        for place, name in enumerate(("ref", "one", "two")):
-            noise = 0.01 * place * np.random.default_rng(10 * place + t).standard_normal(true.shape)
-            path = tmp_path / name / f"{t}.exr"
-            write_channels(path, (true + noise).astype(np.float32), ("R", "G", "B"), half=False, metadata={})
-    for name in ("corridor", "hall"):
-        (tmp_path / f"{name}.toml").write_text(SHOT.format(name=name), encoding="utf-8")
+    """Two shots of the same frames, and a sweep of one."""
+    write_shot(tmp_path)
+    (tmp_path / "hall.toml").write_text(SHOT.replace("corridor", "hall"), encoding="utf-8")
     (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
     return tmp_path
 
@@ -109,7 +87,7 @@ def test_a_build_that_fails_loses_no_other(swimlab, home, measured, here):
     (home / "two" / "1.exr").write_bytes(b"no picture")
     words = ("study", home / "corridor.toml", "-q", "-o", home / "run", "--engine", "dask")
     code, _, err = swimlab(*words)
-    assert (code, "corridor, two: " in err, "1.exr" in err) == (2, True, True)
+    assert (code, "corridor, two: " in err, "1.exr" in err, "skip_bad_frames = true" in err) == (2, True, True, True)
     (home / "two" / "1.exr").write_bytes(good)
     assert swimlab(*words)[0] == 0
     assert measured == [("corridor", "one"), ("corridor", "two")]
