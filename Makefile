@@ -13,12 +13,13 @@ study: .venv/installed
 	$(BIN)/swimlab study -o runs/study
 
 # The tests run against the installed wheel, never against the source folders.
+# A module's tests stay on one worker, so that what they share is made once.
 test: .venv/tools .venv/installed | $(THREEJS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2 -rs
+	$(BIN)/pytest -n 2 --dist loadscope -rs
 
 # The site, in site/index.html; without network once the tools are there.
 docs: .venv/writers .venv/installed
