@@ -2,17 +2,13 @@
 
 import json
 import os
-import re
 import shutil
-from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from sequences import SequenceError
-from swimlab.cli.footage_options import Footage
-from swimlab.footage.keys import as_keys
-from swimlab.footage.shot import is_shot, load_shot, shot_schema
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.notebook.study import open_run
 from swimlab.runs.frames import write_channels
 
@@ -290,90 +286,3 @@ def test_drafts_of_any_name_are_shot_files(swimlab, shot):
     assert swimlab("init-shot", home, "--force")[0] == 0
     drafted = load_shot(home / "shot.toml")
     assert {build.frames for build in drafted.builds.values()} == {"error/f.####.exr", "\N{MOTORWAY}/f.####.exr"}
-
-
-def test_a_slip_of_the_pen_is_told_as_one_of_a_shot_file(swimlab, shot):
-    path = shot / "typo.toml"
-    for typo in ("[build.", "[bulids."):
-        path.write_text(SHOT.replace("[builds.", typo).replace("[reference]", "[referense]"), encoding="utf-8")
-        code, _, err = swimlab("study", path, "-o", shot / "typo")
-        assert code == 2
-        assert f"{typo[1:-1]}: unknown key (did you mean 'builds'?" in err
-        assert "referense: unknown key (did you mean 'reference'?" in err
-        assert "scene" not in err
-    path.write_text('version = 1\nname = "road"\n[build.x]\n[motion]\nkind = "shift"\n[scene]\n', encoding="utf-8")
-    assert not is_shot(path)
-
-
-def test_messages_of_a_shot_speak_of_its_keys(swimlab, shot):
-    path = shot / "spoken.toml"
-    path.write_text(SHOT.replace("velocity = [-1.25, 0.625]", "velocity = [1.25, 0.625]"), encoding="utf-8")
-    code, _, err = swimlab("study", path, "-o", shot / "spoken")
-    assert code == 2
-    assert "motion.velocity = [-1.25, 0.625]" in err
-    assert "motion.unverified = true" in err
-    assert not re.search(r"--[a-z]", err)
-    path.write_text(SHOT.replace("[motion]\nvelocity = [-1.25, 0.625]\n", ""), encoding="utf-8")
-    _, _, err = swimlab("study", path, "-o", shot / "spoken")
-    assert f"swimlab: {path}: " in err or "swimlab: warning: " in err
-    assert not re.search(r"--[a-z]", err)
-
-
-def test_keys_stand_for_options():
-    said = "mask with --mask, --skip-bad-frames; --colorspace, --reference-part, --motion-jitter-in; oiiotool --flatten"
-    keys = "mask with mask, skip_bad_frames = true; colorspace, reference.part, motion.jitter_in; oiiotool --flatten"
-    assert as_keys(said) == keys
-
-
-def test_what_stands_for_an_option_is_a_key_of_a_shot():
-    skipped = {"test", "name", "build", "sequence", "reference", "motion", "depth", "mask", "range-of-frames"}
-    options = {field.name.replace("_", "-") for field in fields(Footage)} - skipped
-    schema = shot_schema()
-    places = {"": "Pictures", "reference": "Pictures", "motion": "Vectors", "depth": "Depth", "mask": "Mask"}
-    tables = {table: set(schema["$defs"][name]["properties"]) for table, name in places.items()}
-    tables |= {table: set(schema["$defs"][table.capitalize()]["properties"]) for table in ("viewing", "display")}
-    tables[""] |= set(schema["properties"])
-    for option in options:
-        table, _, key = as_keys(f"--{option}").removesuffix(" = true").rpartition(".")
-        assert key in tables[table], option
-
-
-def test_measure_takes_a_shot_file_and_render_says_what_does(swimlab, shot, run):
-    code, out, err = swimlab("measure", shot / "shot.toml", "--json", "-q")
-    assert code == 0, err
-    alone = {entry["technique"]: entry["scores"] for entry in json.loads(out)["sequences"]}
-    assert alone == {name: entry["scores"] for name, entry in entries(run).items()}
-    code, _, err = swimlab("measure", shot / "shot.toml", "-o", shot / "measured", "-q")
-    assert (code, (shot / "measured" / "run.json").is_file()) == (0, True), err
-    code, _, err = swimlab("measure", shot / "shot.toml", "--motion", "1,0")
-    assert (code, "--motion: is for frames of your own, with --test; a shot file has keys for it" in err) == (2, True)
-    code, _, err = swimlab("render", shot / "shot.toml", "-t", "tsl")
-    assert (code, f"swimlab study {shot / 'shot.toml'}" in err) == (2, True)
-
-
-def test_gates_warn_of_sources_by_name_and_judge_all_the_same(swimlab, shot, run):
-    gate = shot / "gate.toml"
-    gate.write_text(
-        'version = 1\n[baseline]\nfile = "base.json"\n[[rule]]\nmetric = "budget.flicker"\nmax = 1.0\n',
-        encoding="utf-8",
-    )
-    changed, gone = shot / "blink" / "f.0003.exr", shot / "ref" / "f.0001.exr"
-    changed.write_bytes(b"other")
-    gone.unlink()
-    for words in (("baseline", "update", gate, run), ("gate", gate, run)):
-        code, _, err = swimlab(*words)
-        assert code == 0, err
-        assert f"warning: {run}: {changed}: has changed since it was measured (blink)" in err
-        assert f"warning: {run}: {gone}: is gone since it was measured (reference)" in err
-    code, out, _ = swimlab("info", run)
-    assert (code, f"beware      {gone}: is gone" in out) == (0, True)
-    code, out, _ = swimlab("info", run, "--json")
-    assert [text.partition(": ")[0] for text in json.loads(out)["changes"]] == [str(changed), str(gone)]
-
-
-def test_a_draft_drops_no_second_input_of_a_kind(swimlab, shot):
-    shutil.copytree(shot / "ref", shot / "truth")
-    assert swimlab("init-shot", shot, "--force")[0] == 0
-    text = (shot / "shot.toml").read_text(encoding="utf-8")
-    assert '# frames = "truth/f.####.exr"  # 6 frames, 64x64; as likely, choose one' in text
-    assert load_shot(shot / "shot.toml").reference.frames == "ref/f.####.exr"
