@@ -65,7 +65,7 @@ def _refuse_parts_of_files(request: Request) -> None:
     if motion is None and request.motion_part is not None:
         raise FrameError(f"--motion-part {request.motion_part}: is for files of motion vectors; give --motion")
     if jitter is None and request.motion_jitter_in != "vectors":
-        raise FrameError("--motion-jitter-in: says who has the jitter; give --motion-jitter FILE or estimate too")
+        raise FrameError("--motion-jitter-in: says what has the jitter; give --motion-jitter FILE or estimate too")
     if motion is not None and mask and request.velocity is not None:
         raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
 

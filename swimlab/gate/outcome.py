@@ -149,7 +149,7 @@ def render_and_measure(
         return
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:
-        raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")
+        raise GateError(f"technique {unknown[0]!r}: is not known; there are {', '.join(techniques())}")
     names = None if only is None else [*only, REFERENCE]
     plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
     render_run(plan, run, threads=threads, command=COMMAND)

@@ -143,5 +143,7 @@ def _convention(convention: str | Convention) -> Convention:
     if isinstance(convention, Convention):
         return convention
     if convention not in PRESETS:
-        raise FrameError(f"convention {convention!r}: there are {', '.join(PRESETS)}, or make a Convention")
+        raise FrameError(
+            f"convention {convention!r}: is not known; there are {', '.join(PRESETS)}, or make a Convention"
+        )
     return PRESETS[convention]

@@ -75,7 +75,7 @@ def test_the_search_works_from_files_and_asks_no_other_machine(site, request):
         page.keyboard.press("/")
         page.keyboard.type("jitter")
         page.wait_for_function("/[0-9]+ matching/.test(document.querySelector('.md-search-result__meta').innerText)")
-        found = page.locator(".md-search-result__link").first.inner_text()
+        found = page.locator(".md-search-result__list").inner_text()
         browser.close()
     assert "jitter" in found.lower()
     assert said == []

@@ -126,7 +126,7 @@ def test_runs_have_a_folder_by_default(swimlab, tiny, tmp_path):
 REFUSED = {
     "an unknown sequence": (["render", "road-shfit"], "road-shfit: no such sequence (did you mean 'road-shift'?"),
     "a missing file": (["render", "nowhere.toml"], "nowhere.toml: cannot be read"),
-    "an unknown technique": (["render", "road-shift", "-t", "tls"], "-t tls: did you mean 'tsl'?"),
+    "an unknown technique": (["render", "road-shift", "-t", "tls"], "-t tls: names no technique; did you mean 'tsl'?"),
     "no technique": (["render", "road-shift", "-t", ","], "-t ,: there are"),
     "no size": (["render", "road-shift", "--size", "640"], "--size 640: write WIDTHxHEIGHT"),
     "a size without number": (["render", "road-shift", "--size", "axb"], "--size axb: write WIDTHxHEIGHT"),

@@ -189,7 +189,7 @@ def test_a_rendered_run_is_not_written_over(swimlab, shot):
     code, _, err = swimlab("study", shot / "shot.toml", "-o", shot / "road")
     assert (code, "holds a rendered run" in err) == (2, True)
     code, _, err = swimlab("study", shot / "shot.toml", "--size", "64x64", "-o", shot / "run")
-    assert (code, "--size: renders" in err) == (2, True)
+    assert (code, "--size: is for rendering" in err) == (2, True)
 
 
 def test_a_drafted_shot_file_is_measured_as_it_is(swimlab, shot):

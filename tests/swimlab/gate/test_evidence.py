@@ -138,7 +138,7 @@ def test_the_fixture_fails_where_the_gate_cannot_run(swimlab_gate, run, tmp_path
 
 def test_the_fixture_fails_for_an_unknown_technique(swimlab_gate, tmp_path):
     path = write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
-    with pytest.raises(pytest.fail.Exception, match="technique 'tls': there are"):
+    with pytest.raises(pytest.fail.Exception, match="technique 'tls': is not known; there are"):
         swimlab_gate("road-shift", path, techniques=["tls"])
 
 

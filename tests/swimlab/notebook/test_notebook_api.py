@@ -172,7 +172,7 @@ def test_the_scale_of_errors_is_printed(road):
         (lambda road: road.show("tsl"), "has no technique tsl; it has pixel-aniso, pixel-point, reference"),
         (lambda road: road.show(frame=9), "has no frame 9; it has 0, 1, 2, 3"),
         (lambda road: road.show(region=(96, 0, 8, 8)), "lies outside of the frame, 96x54 px"),
-        (lambda road: swimlab.study("road-shift", ["tls"]), "technique 'tls': did you mean 'tsl'"),
+        (lambda road: swimlab.study("road-shift", ["tls"]), "technique 'tls': is not known; did you mean 'tsl'"),
         (lambda road: swimlab.study("road-shift", ["tsl"], frames="0-99"), "the sequence has frames 0-31"),
         (lambda road: swimlab.open(road.folder / "geometry"), "holds no run.json"),
         (lambda road: swimlab.study("road-shift", ["tsl"], output=road.folder), "holds a run of other settings"),
@@ -210,7 +210,7 @@ def test_frames_of_ones_own(road):
     assert own.curves
     assert "residuals: as given" in repr(own)
     assert "residuals: as given" in own._repr_html_()
-    with pytest.raises(FrameError, match="convention 'unty': there are own, blender, unity"):
+    with pytest.raises(FrameError, match="convention 'unty': is not known; there are own, blender, unity"):
         swimlab.measure_frames(test, motion=road.folder / "geometry", convention="unty")
     with pytest.raises(FrameError, match="does not fit the frames"):
         swimlab.measure_frames(reference, motion=(-23 / 32, 19 / 32), alpha="mask")
