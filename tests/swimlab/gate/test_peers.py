@@ -80,7 +80,7 @@ def test_what_is_not_installed_says_how_to_install_it(peer, monkeypatch):
 
 
 def test_unknown_peers_are_refused():
-    with pytest.raises(PeerError, match="--peers flop: is no metric that is known; there are flip, flip-oiio, vdp, vmaf"):
+    with pytest.raises(PeerError, match="flop: is no metric that is known; there are flip, flip-oiio, vdp, vmaf"):
         peer_scores("flop", uniform("red"), uniform("red"))
 
 
