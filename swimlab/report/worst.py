@@ -146,7 +146,7 @@ def _drawn(title: str, run: Run, found: Sequence[Worst], clips: Sequence[Clip]) 
     for each in found:
         x, y, width, height = each.region
         first, *others = each.frames
-        then = f", then frames {' and '.join(map(str, others))}" if len(others) > 1 else ""
+        then = f", then {', '.join(map(str, others))}" if others else ""
         at = f"frame {first} at ({x}, {y}), rms {number(each.rms)}"
         said = drawn_text(0, top + 14, f"{each.technique}: {at}{then}", "start")
         address = _address(run, each, clips)

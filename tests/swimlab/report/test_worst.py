@@ -66,7 +66,7 @@ def test_frames_come_worst_first_under_the_first_key_that_is_known() -> None:
 def test_a_planted_fault_is_found_framed_and_linked(run: Run) -> None:
     clips = [Clip(run, (0, 0, 96, 64), sizes={BAD: (96, 64)}), Clip(run, sizes={BAD: SIZE})]
     errors, flicker = worst(run, [ENTRY], clips)
-    assert re.search(rf"tsl: frame {BAD} at \(\d+, \d+\), rms 0.2, then frames 4 and 0", errors.svg)
+    assert re.search(rf"tsl: frame {BAD} at \(\d+, \d+\), rms 0.2, then 4, 0", errors.svg)
     assert f">frame {BAD - 1}<" in flicker.svg
     for figure in (errors, flicker):
         assert holds_spot(place_of(figure.svg))
