@@ -121,6 +121,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],
             metrics=METRICS,
             legend=LEGEND,
+            domain=scores.get("provenance", {}).get("domain", "linear"),
             marks=MARKS,
             pictures=Markup(picture_json(clips, entries, pick)),
             theme=Markup(_static("theme.js")),
