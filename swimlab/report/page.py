@@ -31,30 +31,32 @@ from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.sentences import listed
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
-from swimlab.report.worst import worst, worst_frames
+from swimlab.report.worst import CHANGE, ERROR, worst, worst_frames
 from swimlab.runs.columns import MARKS
 from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
 
-BY_FRAME = ("mse", "frame_mse", "change")
-"""By which of an entry's values frames are ranked: the first that is known."""
+CHARTS = 500_000
+"""Bytes that the pictures in the charts of a run take."""
 
 SCRIPTS = ("pictures.js", "view.js", "screen.js", "beside.js", "pointer.js", "viewer.js", "charts.js")
 
 
 def write_report(
-    runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int = BUDGET
+    runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int | None = None
 ) -> None:
     """Write the page of one or more run folders, one sequence each, whole or not at all.
 
-    scores: the content of scores.json. picture_budget: bytes of embedded pictures, all runs together.
+    scores: the content of scores.json. picture_budget: bytes of the viewer's pictures, all runs together; None: what
+    leaves room for those of the charts.
     Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity and for two runs of
     one sequence, and FrameError for a missing frame.
     """
     _refuse_nan(scores)
     opened = _open(runs)
-    clips = choose_clips(opened, scores["sequences"], picture_budget)
+    budget = max(BUDGET // 4, BUDGET - CHARTS * len(opened)) if picture_budget is None else picture_budget
+    clips = choose_clips(opened, scores["sequences"], budget)
     clear_leftovers(destination.parent, destination.name)
     write_text(destination, _page(opened, scores, clips))
 
@@ -227,7 +229,7 @@ def _caption(clip: Clip) -> str:
 
 def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     mine = [entry for entry in entries if entry["sequence"] == clip.run.sequence]
-    by_frame = {entry["technique"]: dict(worst_frames(entry.get("frames", []), *BY_FRAME)) for entry in mine}
+    by_frame = {entry["technique"]: dict(worst_frames(entry.get("frames", []), *ERROR, *CHANGE)) for entry in mine}
     return {
         "sequence": clip.run.sequence,
         "name": f"{clip.run.sequence}: {_caption(clip)}",

@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from report_runs import FRAMES, SIZE, make_run
 from swimlab.report.clips import Clip
 from swimlab.report.following import same_surface, warped
 from swimlab.report.recorded import Run, open_run
-from swimlab.report.worst import SIDE, worst, worst_frames, worst_region
+from swimlab.report.worst import SHOWN, SIDE, worst, worst_frames, worst_region
 from swimlab.runs.frames import frame_path, write_frame
 
 VELOCITY = (2, -1)
@@ -81,6 +82,23 @@ def test_without_a_reference_what_moves_as_it_should_is_no_flicker(run: Run) -> 
     (flicker,) = worst(alone, [ENTRY], [])
     assert holds_spot(place_of(flicker.svg))
     assert "what of the picture changes on the surface" in flicker.sentence
+
+
+def test_of_many_the_worst_are_shown(run: Run) -> None:
+    names = [f"build-{n}" for n in range(SHOWN + 2)]
+    many = replace(run, techniques=(*names, "reference"), pictures=SimpleNamespace(**vars_of(run)))
+    entries = [
+        {**an_entry(mse=[0.0] * 3 + [0.01 * (1 + n)] + [0.0] * 2), "technique": name} for n, name in enumerate(names)
+    ]
+    (errors,) = worst(many, entries, [])
+    assert re.findall(r"(build-\d): frame", errors.svg) == names[2:]
+    assert f"the {SHOWN} worst of {SHOWN + 2}" in errors.sentence
+
+
+def vars_of(run: Run) -> dict[str, Any]:
+    """The pictures of a run, tsl's under every name."""
+    read = run.pictures.read
+    return {"called": "build", "read": lambda name, frame: read("reference" if name == "reference" else "tsl", frame)}
 
 
 def test_runs_without_frames_of_one_size_or_rows_have_no_worst(run: Run) -> None:
