@@ -92,8 +92,8 @@ def worst(run: Run, entries: Sequence[Entry], clips: Sequence[Clip]) -> list[Fig
         if found:
             less = f", of the {len(shown)} worst of {len(tests)}" if len(shown) < len(tests) else ""
             sentence = (
-                f"The square of largest squared difference in each {run.pictures.called}\u2019s worst frame{less}; at the "
-                f"right {right}, grey where there is none."
+                f"The square of largest squared difference in each {run.pictures.called}\u2019s worst frame{less}; "
+                f"at the right {right}, grey where there is none."
             )
             drawn.append(Figure(title, _drawn(title, run, found, clips), sentence, []))
     return drawn
