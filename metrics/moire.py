@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, stats
+from scipy import ndimage, special
 
 from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
@@ -150,7 +150,7 @@ class Moire:
             power = self._mean(size, [other for other in strips if other != strip])
             followed = leading and follow_peak(power["error"], leading, independent=independent)
             left.append(_values(power, followed))
-        names = set.intersection(*map(set, left))
+        names = [name for name in left[0] if all(name in values for values in left)]
         return {name: [values[name] for values in left] for name in names}
 
 
@@ -205,7 +205,7 @@ def find_peaks(power: Power, *, independent: float) -> list[Peak]:
     plane = _whole_plane(power)
     floor = _floor(plane, independent)
     freedom = 2 * independent
-    by_chance = stats.chi2.isf(CHANCE / (size * size / 2), freedom) / freedom
+    by_chance = special.chdtri(freedom, CHANCE / (size * size / 2)) / freedom
     highest = ndimage.maximum_filter(plane, size=2 * _CORE + 1, mode="wrap") == plane
     radius = np.hypot(*np.meshgrid(np.arange(size) - size // 2, np.arange(size) - size // 2, indexing="ij"))
     high = plane > floor * max(MIN_RATIO, by_chance)
@@ -232,7 +232,8 @@ def _floor(plane: Power, independent: float) -> Power:
     ring = np.hypot(reach[:, None], reach[None, :])
     freedom = 2 * independent
     median = ndimage.median_filter(plane, footprint=(ring <= _HALO) & (ring > _CORE), mode="wrap")
-    return np.asarray(median / (stats.chi2.median(freedom) / freedom))
+    # The median of chi-square; scipy.stats, which gives the same bits, takes long to load.
+    return np.asarray(median / (2 * special.gammaincinv(freedom / 2, 0.5) / freedom))
 
 
 def _peak(plane: Power, floor: Power, row: int, column: int) -> Peak:

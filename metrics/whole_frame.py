@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from metrics.clip import Image
 from metrics.correspondence import claims
 from metrics.geometry import Field, Geometry, Mask, Surface
+from metrics.glints import Glints
 from metrics.kernels.launch import Launcher
 from metrics.kernels.pairs import COLUMNS, compare_pairs, mark_landed, own_places, sum_blocks
 from metrics.kernels.pattern import pattern_at
@@ -84,6 +85,7 @@ class WholeFrame:
     geometry: Geometry
     has_reference: bool
     launcher: Launcher
+    glints: Glints = field(default_factory=Glints)
     _frames: list[dict[str, Any]] = field(default_factory=list)
     _cells: Cells = field(default_factory=dict)
     _last: Image | None = None
@@ -113,6 +115,7 @@ class WholeFrame:
         covered = np.sum([sums[name] for name in CLASSES], axis=0)
         self._put("covered pixels", covered)
         if self.has_reference:
+            self.glints.add(error, surface.covered, reached)
             flicker = pair_flicker(sums)
             for name, values, pixels in (
                 ("frame", sums["squared"], covered),

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from swimlab.footage.shot import is_shot
 from swimlab.render.catalogue import techniques
 from swimlab.render.plan import Plan, check_threads, make_plan
 from swimlab.runs.record import RunError
@@ -62,6 +63,8 @@ class Rendering:
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
         """What to render of a sequence. Raises SequenceError or RunError naming every mistake."""
 
+        if is_shot(sequence_name):
+            raise RunError(f"{sequence_name}: is a shot file, whose frames are there: swimlab study {sequence_name}")
         check_threads(self.threads)
         return make_plan(
             sequence_name,

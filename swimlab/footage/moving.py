@@ -79,8 +79,10 @@ def _open_files(
     match(reader, "motion")
     mask = None
     if request.motion_mask is not None:
-        mask = Mask(open_frames(request.motion_mask, frames=request.frames), None)
-        match(mask.reader, "motion-mask", still=True)
+        masks = open_frames(request.motion_mask, frames=request.frames)
+        match(masks, "motion-mask", still=True)
+        channel, part = request.motion_mask_channels, request.motion_mask_part
+        mask = Mask(masks, None, channel=channel, part=part, prefix="motion-mask-")
     motion = open_fields(
         reader,
         request.convention,

@@ -214,6 +214,10 @@ def test_depth_splits_scores_into_bands(swimlab, shot):
     assert code == 0, err
     scores = entries(shot / "deep")["blink"]["scores"]
     assert scores["budget.flicker.far"] == scores["budget.flicker"] > 0
+    words = ("--test", shot / "blink", "--reference", shot / "ref", "--motion=-1.25,0.625", "--depth", shot / "depth")
+    code, out, err = swimlab("measure", *words, "--json", "-q")
+    assert code == 0, err
+    assert json.loads(out)["sequences"][0]["scores"]["budget.flicker.far"] == scores["budget.flicker.far"]
 
 
 def test_a_study_of_two_shots_keeps_each_ones_settings(swimlab, shot):

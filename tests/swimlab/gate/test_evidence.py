@@ -9,7 +9,8 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from gate_files import HASH, entry, write_gate, write_scores
 
-from swimlab.gate.evidence import ENLARGED, GAP, HEADER, SIDE, worst_frame
+from swimlab.gate.evidence import ENLARGED, GAP, HEADER, worst_frame
+from swimlab.report.worst import SIDE
 from swimlab.runs.entries import read_entries
 from swimlab.runs.frames import frame_path, write_frame
 from swimlab.runs.record import Record

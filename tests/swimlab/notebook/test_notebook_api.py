@@ -3,6 +3,8 @@
 import re
 import subprocess
 import sys
+from dataclasses import fields
+from inspect import signature
 
 import cv2
 import numpy as np
@@ -12,6 +14,7 @@ import swimlab
 from metrics import measure
 from swimlab.cli.dry_run import pictures_there
 from swimlab.footage.convention import PRESETS
+from swimlab.footage.request import Request
 from swimlab.notebook.picture import INK, OUTSIDE, error_colours, scale_bar
 from swimlab.notebook.scores import Scores
 from swimlab.render import catalogue
@@ -307,3 +310,8 @@ def test_a_bad_file_leaves_everything_as_it_was(folder, file, text, answer):
     with pytest.raises((ValueError, SyntaxError, AttributeError), match=answer):
         swimlab.add_techniques(folder)
     assert list(catalogue.techniques()) == before
+
+
+def test_frames_are_measured_with_every_option_of_the_command():
+    options = {field.name for field in fields(Request)} - {"look"}
+    assert options <= set(signature(swimlab.measure_frames).parameters)
