@@ -1,11 +1,13 @@
-"""Docstrings as this house writes them, for mkdocstrings: a line `name: what it is` becomes an item of a list."""
+"""Docstrings as this house writes them, for mkdocstrings: `name: what it is` becomes an item of a list.
+
+The names are those of a function's parameters or of a class' attributes; several items may stand in one paragraph.
+"""
 
 import re
+from collections.abc import Collection
 from typing import Any
 
-from griffe import Extension, Object
-
-ITEM = re.compile(r"^(?P<names>[a-z_]\w*(?:, [a-z_]\w*)*): (?P<words>\S.*)$")
+from griffe import Class, Extension, Function, Object
 
 
 class Docstrings(Extension):
@@ -15,21 +17,36 @@ class Docstrings(Extension):
         """Called for every module, class, function and attribute."""
         del kwargs
         if obj.docstring is not None:
-            obj.docstring.value = as_markdown(obj.docstring.value)
+            obj.docstring.value = as_markdown(obj.docstring.value, names_of(obj))
 
 
-def as_markdown(text: str) -> str:
-    """A docstring's text with its items as a list; indented lines belong to the item above them."""
-    lines: list[str] = []
-    inside = False
-    for line in text.splitlines():
-        found = ITEM.match(line)
-        if found:
-            names = ", ".join(f"`{name}`" for name in found["names"].split(", "))
-            lines += ([] if inside else [""]) + [f"- {names}: {found['words']}"]
-        elif inside and line.strip() and not line.startswith(" "):
-            lines += ["", line]
-        else:
-            lines.append(line)
-        inside = bool(found) or (inside and line.startswith(" "))
-    return "\n".join(lines)
+def names_of(obj: Object) -> list[str]:
+    """What a docstring may explain."""
+    if isinstance(obj, Function):
+        return [parameter.name for parameter in obj.parameters]
+    if isinstance(obj, Class):
+        return [*obj.members, *(parameter.name for parameter in obj.parameters)]
+    return []
+
+
+def as_markdown(text: str, names: Collection[str]) -> str:
+    """A docstring's text with its items as lists; what is indented or a list already stays as it is."""
+    if not names:
+        return text
+    kept = re.split(r"\n\s*\n", text)
+    return "\n\n".join(part if part.startswith(("-", " ")) else _paragraph(part, names) for part in kept)
+
+
+def _paragraph(text: str, names: Collection[str]) -> str:
+    one = "|".join(map(re.escape, names))
+    flat = " ".join(text.split())
+    before, *rest = re.split(rf"(?:^|(?<=[.;)] ))((?:{one})(?:, (?:{one}))*): ", flat)
+    if not rest:
+        return text
+    items = []
+    after = ""
+    for name, words in zip(rest[::2], rest[1::2], strict=True):
+        said, raises, more = words.partition(". Raises ")
+        items.append(f"- `{name.replace(', ', '`, `')}`: {said.strip()}{'.' if raises else ''}")
+        after = f"Raises {more}" if raises else after
+    return "\n\n".join(part for part in (before.strip(), "\n".join(items), after) if part)

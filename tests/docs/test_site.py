@@ -144,9 +144,13 @@ def test_a_docstrings_items_become_a_list(monkeypatch):
     needs("griffe")
     import docstrings
 
-    text = "What it is.\n\nsize: width and height,\n    px.\nx, y: places. Raises ValueError.\nRaises: nothing."
-    wanted = "What it is.\n\n\n- `size`: width and height,\n    px.\n- `x`, `y`: places. Raises ValueError.\n\n"
-    assert docstrings.as_markdown(text) == wanted + "Raises: nothing."
+    text = (
+        "What it is.\n\nsize: width and height,\n    px. x, y: places. Other: is no name. Raises ValueError\nfor none."
+    )
+    items = "- `size`: width and height, px.\n- `x`, `y`: places. Other: is no name."
+    wanted = f"What it is.\n\n{items}\n\nRaises ValueError for none."
+    assert docstrings.as_markdown(text, ["size", "x", "y"]) == wanted
+    assert docstrings.as_markdown(text, []) == text
 
 
 def test_the_glossary_is_in_order_and_each_term_stands_once():

@@ -127,7 +127,7 @@ REFUSED = {
     "an unknown sequence": (["render", "road-shfit"], "road-shfit: no such sequence (did you mean 'road-shift'?"),
     "a missing file": (["render", "nowhere.toml"], "nowhere.toml: cannot be read"),
     "an unknown technique": (["render", "road-shift", "-t", "tls"], "-t tls: names no technique; did you mean 'tsl'?"),
-    "no technique": (["render", "road-shift", "-t", ","], "-t ,: there are"),
+    "no technique": (["render", "road-shift", "-t", ","], "-t ,: names no technique; there are"),
     "no size": (["render", "road-shift", "--size", "640"], "--size 640: write WIDTHxHEIGHT"),
     "a size without number": (["render", "road-shift", "--size", "axb"], "--size axb: write WIDTHxHEIGHT"),
     "a size too small": (["render", "road-shift", "--size", "2x2"], "size.0: should be greater than or equal to 8"),
