@@ -27,6 +27,7 @@ LADDER = tuple(Variant(f"{n} sample{'s' if n > 1 else ''} a pixel", "supersample
 OTHER_TECHNIQUES = tuple(Variant(name, name) for name in ("pixel-trilinear", "lod-hack", "vmf", "taa", "tsl"))
 REFERENCE_SAMPLES = 256
 _MOST = 1000
+_ROUNDING = 1e-6
 
 Column = dict[str, float | str]
 """A judge's value by the name of a clip, or why there is none."""
@@ -89,9 +90,12 @@ def _road(stage: Stage, variant: Variant) -> Case:
 
 
 def badness(judge: Judge, column: Column, case: str) -> float | None:
-    """How bad a judge says a clip is, 0 for the reference; None where it has no value."""
+    """How bad a judge says a clip is, 0 for the reference and for rounding; None where it has no value."""
     value = column[case]
-    return None if isinstance(value, str) else max(0.0, judge.worse(value))
+    if isinstance(value, str):
+        return None
+    worse = judge.worse(value)
+    return worse if worse > _ROUNDING else 0.0
 
 
 def times(judge: Judge, column: Column, calm: str, wild: str) -> float | None:
