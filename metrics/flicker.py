@@ -45,8 +45,7 @@ class ResidualFlicker:
 
     def end(self) -> None:
         for index, level in enumerate(self._span.levels):
-            varied = {name: running.split(index, self._span.count)[1] for name, running in self._running.items()}
-            parts = {name: each.sum(axis=1) if each.ndim == 2 else each for name, each in varied.items()}
+            parts = {name: each.split(index, self._span.count)[1].sum(axis=1) for name, each in self._running.items()}
             self._ratios.add(level.size, self._weight[index], parts)
 
     def finish(self) -> Measurement:

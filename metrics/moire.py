@@ -21,7 +21,7 @@ from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level, window
-from metrics.transform import Picture, squares
+from metrics.transform import bin_energy
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""
@@ -86,11 +86,10 @@ class Moire:
         if batch.level != 0 or batch.error is None or batch.reference is None:
             return
         powers = self._pieces.setdefault(batch.piece, {})
-        parts = (squares(batch.test), squares(batch.reference), batch.error_squares)
-        power = np.stack([_power(part, batch.error.shape[2:]) for part in parts if part is not None])
+        found = [bin_energy(spectra) for spectra in (batch.test, batch.reference, batch.error)]
         strips = self._strip[batch.tiles]
         for strip in np.unique(strips).tolist():
-            summed = power[:, strips == strip].sum(axis=1, dtype=np.float64)
+            summed = np.stack([each[strips == strip].sum(axis=0, dtype=np.float64) for each in found])
             powers[strip] = powers[strip] + summed if strip in powers else summed
 
     def end(self) -> None:
@@ -146,11 +145,6 @@ class Moire:
             left.append(_values(power, followed))
         names = [name for name in left[0] if all(name in values for values in left)]
         return {name: [values[name] for values in left] for name in names}
-
-
-def _power(parts: Picture, shape: tuple[int, ...]) -> Picture:
-    """[n, L, L/2 + 1] from the squares of real and imaginary parts, in turns."""
-    return (parts[:, ::2] + parts[:, 1::2]).reshape(len(parts), *shape)
 
 
 def _values(power: dict[str, Power], leading: Peak | None) -> dict[str, float]:

@@ -78,13 +78,7 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
-        if (self.device, kernel) in _LOADED:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
-            return
-        # Building and loading a kernel is not safe in several threads at once.
-        with _LOADING:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
-            _LOADED.add((self.device, kernel))
+        start(kernel, dim, inputs, self.device)
 
     def over(
         self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1
@@ -115,6 +109,18 @@ class Launcher:
         """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""
         held = np.ascontiguousarray(values)
         return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
+
+
+def start(kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any], device: str = "cpu") -> None:
+    """Start one kernel in the calling thread, on a device that is known to be there."""
+    if (device, kernel) in _LOADED:
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device=device)
+        return
+    # Building and loading a kernel is not safe in several threads at once.
+    with _LOADING:
+        start_warp()
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device=device)
+        _LOADED.add((device, kernel))
 
 
 @contextmanager
