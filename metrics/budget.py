@@ -34,15 +34,26 @@ PARTS = {
     "flicker": "part of mse: changes in time on the surface: sparkle, swimming, noise (Bessel's correction)",
     "floor": "the reference's own squared error, which no difference can be resolved below",
 }
+FORMULAS = {
+    "mse": "sum w^2 e^2 / sum w^2",
+    "bias": f"sum over |k| < {CUT:g} of max(0, |mean_t E|^2 - var_t E / (T - 1)), over sum w^2",
+    "detail": f"sum over |k| >= {CUT:g} of max(0, |mean_t E|^2 - var_t E / (T - 1)), over sum w^2",
+    "flicker": "mse - bias - detail: var_t E T / (T - 1) over sum w^2, octave by octave no more than there is",
+    "floor": "sum w^2 h^2 / sum w^2; h = (A - B) / 2 of the reference's halves A and B",
+}
 _SOURCE = "bias-variance decomposition over time, by Parseval on surface-locked tile spectra"
 _FRAMES = "flicker cannot be distinguished from a static error in fewer than 2 frames"
 
 SCORES = {
-    f"budget.{part}": Metric("radiance^2", "information" if part == "floor" else "lower", text, _SOURCE)
+    f"budget.{part}": Metric("radiance^2", "information" if part == "floor" else "lower", text, _SOURCE, FORMULAS[part])
     for part, text in PARTS.items()
 } | {
     f"budget.{part}.{band}": Metric(
-        "radiance^2", "information" if part == "floor" else "lower", f"{text}; {describe(band)}", _SOURCE
+        "radiance^2",
+        "information" if part == "floor" else "lower",
+        f"{text}; {describe(band)}",
+        _SOURCE,
+        FORMULAS[part],
     )
     for part, text in PARTS.items()
     for band in BANDS

@@ -9,13 +9,14 @@ from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
 
 _SOURCE = "sample variance over time of surface-locked tile spectra: residual under true motion"
+_FORMULA = "sum |X - mean_t X|^2 / (T - 1), over sum w^2"
 
 SCORES = {
     "residual.flicker": Metric(
-        "radiance^2", "lower", "change in time of the test on the surface; no reference needed", _SOURCE
+        "radiance^2", "lower", "change in time of the test on the surface; no reference needed", _SOURCE, _FORMULA
     ),
     "residual.flicker.reference": Metric(
-        "radiance^2", "information", "the same of the reference: what its pixel filter cannot calm", _SOURCE
+        "radiance^2", "information", "the same of the reference: what its pixel filter cannot calm", _SOURCE, _FORMULA
     ),
 }
 

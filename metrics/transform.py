@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.energies import bin_energies, following_energies, octave_energies
 from metrics.kernels.fourier import tile_spectra
-from metrics.kernels.launch import start
+from metrics.kernels.launch import on_cpu
 from metrics.octaves import OCTAVES
 from metrics.tiles import Level, split, window
 
@@ -75,7 +75,7 @@ class TileTransform:
         mean: Picture = np.empty(shape, np.float32)
         inputs = [np.ascontiguousarray(planes), corners, self.window, self._levelling, self._phase]
         parts = spectra.view(np.float32).reshape(-1, self.size, self.size + 2, copy=False)
-        start(tile_spectra(self.size), len(parts), [*inputs, parts, mean])
+        on_cpu(tile_spectra(self.size), len(parts), [*inputs, parts, mean])
         return spectra, mean
 
     def blocks(self, planes: Picture, tiles: slice) -> Picture:
@@ -115,7 +115,7 @@ def energy(values: Spectrum) -> Energy:
 def octave_energy(spectra: Spectrum) -> Energy:
     """The same by octave of |k|, [n, octaves]."""
     found = np.empty((len(spectra), len(OCTAVES)))
-    start(octave_energies(), len(spectra), [_flat(spectra), _octaves(spectra.shape[-2]), found])
+    on_cpu(octave_energies(), len(spectra), [_flat(spectra), _octaves(spectra.shape[-2]), found])
     return found
 
 
@@ -126,14 +126,14 @@ def follow(state: Spectrum, spectra: Spectrum, share: float) -> Energy:
     """
     found = np.empty((len(spectra), len(OCTAVES)))
     inputs = [_flat(state), _flat(spectra), share, _octaves(spectra.shape[-2]), found]
-    start(following_energies(), len(spectra), inputs)
+    on_cpu(following_energies(), len(spectra), inputs)
     return found
 
 
 def bin_energy(spectra: Spectrum) -> Picture:
     """|X(k)|^2 summed over channels, [n, L, L/2 + 1]."""
     found = np.empty((len(spectra), *spectra.shape[2:]), np.float32)
-    start(bin_energies(), len(spectra), [_flat(spectra), found.reshape(len(spectra), -1)])
+    on_cpu(bin_energies(), len(spectra), [_flat(spectra), found.reshape(len(spectra), -1)])
     return found
 
 

@@ -78,7 +78,13 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
-        start(kernel, dim, inputs, self.device)
+        if (self.device, kernel) in _LOADED:
+            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            return
+        # Building and loading a kernel is not safe in several threads at once.
+        with _LOADING:
+            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            _LOADED.add((self.device, kernel))
 
     def over(
         self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1
@@ -111,16 +117,15 @@ class Launcher:
         return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
 
 
-def start(kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any], device: str = "cpu") -> None:
-    """Start one kernel in the calling thread, on a device that is known to be there."""
-    if (device, kernel) in _LOADED:
-        wp.launch(kernel, dim=dim, inputs=list(inputs), device=device)
+def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
+    """Run one kernel on the CPU in the calling thread, on the host's own arrays."""
+    if ("cpu", kernel) in _LOADED:
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
         return
-    # Building and loading a kernel is not safe in several threads at once.
     with _LOADING:
         start_warp()
-        wp.launch(kernel, dim=dim, inputs=list(inputs), device=device)
-        _LOADED.add((device, kernel))
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
+        _LOADED.add(("cpu", kernel))
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from swimlab.footage.header import LOSSY
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
-from swimlab.footage.pattern import frame_range, parse_pattern
+from swimlab.footage.pattern import frame_range
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import check_alpha, curve_between, open_reference, passed_over
 from swimlab.footage.request import ESTIMATE, Request
@@ -50,6 +50,8 @@ class Subject:
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
         self.notes: list[str] = []
+        self.warnings: list[str] = []
+        """Those of the notes that may make the scores wrong."""
         self.request = request
         self._say = say
         self._warn = warn
@@ -67,8 +69,9 @@ class Subject:
         check_alpha(request, self.test, self.reference)
         self.mask = None
         if request.mask is not None:
-            self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
-            self._match(self.mask.reader, "mask", still=True)
+            reader = open_frames(request.mask, frames=request.frames)
+            self._match(reader, "mask", still=True)
+            self.mask = Mask(reader, look.crop, channel=request.mask_channels, part=request.mask_part)
         self.depth = None
         if request.depth is not None:
             self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
@@ -128,14 +131,6 @@ class Subject:
         return sorted({self.kept[index] for index in chosen})
 
     @property
-    def name(self) -> str:
-        """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
-        path = Path(self.request.test)
-        pattern = parse_pattern(path)
-        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
-        return bare or path.absolute().parent.name or "frames"
-
-    @property
     def fps(self) -> float:
         """Frames a second: as given, else the file's own, else 60."""
         return self.request.fps or self.test.reader.header.fps or FPS
@@ -190,8 +185,7 @@ class Subject:
             index, coverage = self.kept[len(self.kept) // 2], self._coverage()
             text = curve_between(self.test, self.reference, index, None if coverage is None else coverage(index))
             if text:
-                self.notes.append(text)
-                self._warn(text)
+                self._beware(text)
 
     def _known(self, index: int) -> Image:
         """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""
@@ -229,8 +223,7 @@ class Subject:
         if found.note:
             self.note(found.note)
         for text in filter(None, (found.error, found.doubt)):
-            self.notes.append(f"motion not verified: {text}")
-            self._warn(self.notes[-1])
+            self._beware(f"motion not verified: {text}")
         if clean and found.verdict in ("partly", "wrong"):
             self.note(
                 "residual.flicker.reference is what the motion makes of the reference, whose flicker is its fault"
@@ -244,7 +237,7 @@ class Subject:
             problems = (source.problems() if source is not None else {}) | problems
         problems |= self.depth.problems() if self.depth is not None else {}
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
-            problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
+            problems |= self.mask.problems()
         there = self._times()
         if not self.request.skip_bad_frames:
             if problems:
@@ -314,6 +307,12 @@ class Subject:
                 )
             if header.oblong:
                 self.note(f"{name}: its pixels are {header.oblong}; lengths and frequencies are in its own px")
+
+    def _beware(self, text: str) -> None:
+        """Keep what may make the scores wrong, and warn of it."""
+        self.notes.append(text)
+        self.warnings.append(text)
+        self._warn(text)
 
     def note(self, text: str) -> None:
         """Keep what a reader should know for the scores, and say it."""

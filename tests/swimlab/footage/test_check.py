@@ -289,6 +289,7 @@ def test_what_is_wrong_stands_in_scores_with_a_picture(swimlab, tmp_path):
     assert entry["verdict"] == "wrong"
     assert entry["scale"] == [pytest.approx(1, abs=0.01), None]
     assert 0.4 < entry["unfit_fraction"] < 0.6
+    assert [row.count("1") for row in entry["unfit"]] == 4 * [12] + 4 * [0]
     assert (entry["frames"], entry["jitter"], entry["cuts"], entry["repeated"]) == ([], 0.0, [], [])
 
 
