@@ -146,7 +146,7 @@ TRANSPOSED = """
         }
     }
 """
-"""Code that leaves the VALUE of lane `done + i`, eight floats, in the first rows of the packet, eight lanes at a time."""
+"""Code that leaves the VALUE of lane `done + i`, eight floats, in the first rows of a packet, eight lanes at a time."""
 
 
 def transposed(value: str) -> str:

@@ -128,8 +128,11 @@ class Targets:
         """Which tiles are to be shaded, and what is held once they are; blocks are given back and taken for that."""
         layout, last, pool = work.layout, self._held, self._pool
         old = carried(last.layout, layout)
-        known = np.where(old >= 0, last.epoch[old] if len(last.epoch) else 0, UNKNOWN)
-        before = known if last.frame == frame - 1 else np.full(layout.entries, UNKNOWN)
+        before = np.full(layout.entries, UNKNOWN)
+        if last.frame == frame - 1:
+            known = np.flatnonzero(old >= 0)
+            known = known[last.shade[old[known]] != NEVER]
+            before[known] = last.epoch[old[known]]
         epoch = epochs.epochs(layout, work.shade != NEVER, before)
         pose = epochs.poses(epoch)
         keep = np.where(layout.is_tile, work.keep, 0)
