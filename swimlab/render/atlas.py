@@ -10,7 +10,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.kernels.texture_space import Atlas
+from swimlab.render.kernels.texture_space import NEVER, Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.runs.record import RunError
 
@@ -87,6 +87,14 @@ class Layout:
         whole = 4 ** self.tile_levels[self.owners]
         return np.where(self.is_tile, 4 * (whole - whole // 4 ** np.minimum(levels, TILE_LEVEL)) // 3, 0)
 
+    def with_coarse(self, keep: Ints) -> Ints:
+        """The finest level to hold of each entry: of tiles as given, NEVER for none; of coarse levels 0, for all."""
+        return np.where(self.is_tile, keep, 0)
+
+    def table(self, launcher: Launcher, keep: Ints, start: Ints) -> Any:
+        """The table on the device: `start` is the first texel of what is held of each entry, down to `keep`."""
+        return launcher.array(np.where(keep == NEVER, 0, start - self.offset(keep)), wp.int32)
+
     def on(self, launcher: Launcher, table: Any, targets: Any) -> Any:
         """The Atlas that kernels take, of a table and of the target of each triangle on the device."""
         atlas: Any = Atlas()
@@ -132,6 +140,12 @@ class Pool:
             wp.copy(grown, self.texels)
             self.texels = grown
         return starts
+
+    def hold(self, layout: Layout, keep: Ints) -> Ints:
+        """The first texel of a block for each entry of which something is to be kept; 0 for the others."""
+        start, held = np.zeros(layout.entries, np.int64), keep != NEVER
+        start[held] = self.take(layout.block(keep)[held])
+        return start
 
     def give(self, starts: Ints, sizes: Ints) -> None:
         """Give blocks back."""

@@ -12,11 +12,10 @@ from metrics.kernels.launch import Launcher, Strip
 from swimlab.render.atlas import Ints, Layout
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.packet import resolved
-from swimlab.render.kernels.structs import LANES
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with
-from swimlab.render.kernels.tiles import light_tiles, reduce_coarse
+from swimlab.render.kernels.tiles import TILE_LEVEL, light_tiles, reduce_coarse
 from swimlab.render.shot import Shot
 from swimlab.render.texture import MipChain
 from swimlab.render.triangles import Charts, in_texture, narrowest, visibility
@@ -120,7 +119,7 @@ class Jobs(NamedTuple):
         begins = np.flatnonzero(np.diff(group, prepend=-1))
         place = np.arange(len(tiles)) - np.repeat(begins, np.diff(begins, append=len(tiles)))
         target, level = layout.owners[tiles], work.shade[tiles]
-        together = np.maximum(1, LANES >> 2 * (layout.tile_levels[target] - level))
+        together = 4 ** (TILE_LEVEL - layout.tile_levels[target] + level)
         first = np.flatnonzero(place % together == 0)
         rows = np.stack([target[first], level[first], first, np.diff(first, append=len(tiles))], axis=1)
         on_device = launcher.array(tiles, wp.int32), launcher.array(work.keep[tiles], wp.int32)
@@ -145,7 +144,7 @@ class Lighting:
             lit = launcher.empty(len(mine), wp.int32)
             inputs = [mine, jobs.tiles, jobs.keep, atlas, ranges, charts.triangles.edges, charts.triangles.planes]
             inputs += [way.chain.texels, way.chain.shape, self.shot.sun, texels, lit]
-            launcher.over(len(mine), way.kernel, (), inputs, strip=len(mine) // (8 * launcher.threads) + 1)
+            launcher.over(len(mine), way.kernel, (), inputs, strip=max(32, len(mine) // (8 * launcher.threads)))
             shaded += int(lit.numpy().sum(dtype=np.int64))
         return shaded
 

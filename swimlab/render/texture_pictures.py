@@ -65,12 +65,9 @@ def picture_of(target: int, work: Work, lighting: Lighting) -> Image:
     levels = np.where(mine, work.shade, NEVER)
     lit = mine & (levels != NEVER)
     coarse = int(layout.firsts[target]) - 1
-    pool, start = Pool(launcher), np.zeros(layout.entries, np.int64)
-    blocks = layout.block(levels)
-    start[lit] = pool.take(blocks[lit])
-    start[coarse] = pool.take(blocks[[coarse]])[0]
-    table = launcher.array(np.where(lit, start - layout.offset(levels), start), wp.int32)
-    atlas = layout.on(launcher, table, launcher.empty(0, wp.int32))
+    pool, keep = Pool(launcher), layout.with_coarse(levels)
+    start = pool.hold(layout, keep)
+    atlas = layout.on(launcher, layout.table(launcher, keep, start), launcher.empty(0, wp.int32))
     epochs = np.full(layout.entries, lighting.shot.frame)
     lighting.light(Jobs.of(launcher, Work(layout, levels, levels), epochs), atlas, pool.texels)
     texels = pool.texels.numpy()

@@ -2,7 +2,8 @@
 
 A job is [target, level, first, count]: `count` tiles of a target, `tiles[first]`..., to be shaded at `level`; `tiles`
 has each tile's entry in the table of its target (see Pages), `kept` the finest level that is kept, or NEVER. A job has
-one tile, or at coarse levels as many as fill a packet. Levels of a tile lie one after another, down to one texel.
+as many texels as a tile at level 0, at coarse levels of many tiles. Levels of a tile lie one after another, down to one
+texel.
 """
 
 import functools
@@ -275,25 +276,30 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
         lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
         places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         owners = wp.zeros(shape=(LANES,), dtype=wp.int32)
-        total = count << (2 * depth)
+        side = 1 << depth
+        tile = side * side
+        total = count * tile
         if chart[0] == chart[1]:
             total = wp.int32(0)
-        # A tile whose corners one triangle owns is wholly that triangle's.
-        side = 1 << depth
-        owner = owner_of(edges, chart, chart[0], centre(tiles, first, pages, level, 0))
-        whole = wp.bool(count == 1 and owner >= 0)
-        if whole:
-            whole = whole and covers(edges[owner], centre(tiles, first, pages, level, side - 1))
-            whole = whole and covers(edges[owner], centre(tiles, first, pages, level, total - side))
-            whole = whole and covers(edges[owner], centre(tiles, first, pages, level, total - 1))
-        if whole:
-            for k in range(LANES):
-                owners[k] = owner
-        guess = wp.max(owner, chart[0])
+        owner = wp.int32(-1)
+        whole = wp.bool(False)
+        guess = chart[0]
         found = wp.int32(0)
         s = wp.int32(0)
         while s < total:
             n = wp.min(LANES, total - s)
+            # A tile whose corners one triangle owns is wholly that triangle's.
+            if tile >= LANES and s % tile == 0:
+                owner = owner_of(edges, chart, guess, centre(tiles, first, pages, level, s))
+                whole = owner >= 0
+                if whole:
+                    whole = whole and covers(edges[owner], centre(tiles, first, pages, level, s + side - 1))
+                    whole = whole and covers(edges[owner], centre(tiles, first, pages, level, s + tile - side))
+                    whole = whole and covers(edges[owner], centre(tiles, first, pages, level, s + tile - 1))
+                if whole:
+                    for k in range(LANES):
+                        owners[k] = owner
+                    guess = owner
             if whole:
                 locate(planes[owner], tiles, first, pages, level, s, 0, n, places, lanes)
             else:

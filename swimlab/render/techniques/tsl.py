@@ -10,7 +10,6 @@ from frame to frame.
 from typing import Literal, NamedTuple
 
 import numpy as np
-import warp as wp
 from pydantic import Field, field_validator
 
 from swimlab.render.atlas import Ints, Layout, Pool
@@ -113,8 +112,8 @@ class Targets:
             self._held = NOTHING
             pool.clear()
         fresh, held = self._carried(work, epochs, shot.frame)
-        table = np.where(held.keep == NEVER, 0, held.start - work.layout.offset(held.keep))
-        atlas = work.layout.on(shot.launcher, shot.launcher.array(table, wp.int32), screen.targets)
+        table = work.layout.table(shot.launcher, held.keep, held.start)
+        atlas = work.layout.on(shot.launcher, table, screen.targets)
         jobs = Jobs.of(shot.launcher, Work(work.layout, np.where(fresh, work.shade, NEVER), work.keep), held.epoch)
         shaded = 0
         for epoch in np.unique(jobs.epochs).tolist():
@@ -135,22 +134,21 @@ class Targets:
             before[known] = last.epoch[old[known]]
         epoch = epochs.epochs(layout, work.shade != NEVER, before)
         pose = epochs.poses(epoch)
-        keep = np.where(layout.is_tile, work.keep, 0)
-        start = np.zeros(layout.entries, np.int64)
+        keep = layout.with_coarse(work.keep)
         fits = np.flatnonzero(old >= 0)
         was = old[fits]
         same = (last.shade[was] == work.shade[fits]) & (last.pose[was] == pose[fits]) & (last.keep[was] <= keep[fits])
         same |= ~layout.is_tile[fits]
         fits, was = fits[same], was[same]
-        keep[fits], start[fits] = last.keep[was], last.start[was]
+        keep[fits] = last.keep[was]
         lost = np.ones(len(last.start), bool)
         lost[was] = False
         lost &= last.keep != NEVER
         pool.give(last.start[lost], last.layout.block(last.keep)[lost])
         fresh = np.ones(layout.entries, bool)
         fresh[fits] = False
-        taken = fresh & (keep != NEVER)
-        start[taken] = pool.take(layout.block(keep)[taken])
+        start = pool.hold(layout, np.where(fresh, keep, NEVER))
+        start[fits] = last.start[was]
         return fresh & (work.shade != NEVER), Held(layout, frame, work.shade, keep, epoch, pose, start)
 
 
