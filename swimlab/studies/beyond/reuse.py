@@ -16,9 +16,11 @@ from swimlab.studies.turns import Time, cpu, frame_task, in_turns
 
 SEQUENCES = ("road-shift", "road-turn", "road-drive", "road-sun")
 FRAMES = (2, 4, 8)
-TOLERANCES = (0.1, 0.3, 1.0)
+TOLERANCES = (0.1, 0.3)
 ALWAYS = 1e9
 """A tolerance that leaves all to the schedule."""
+WANTED = 1.05
+"""Times the error of light that is made anew that a saving may cost."""
 
 THRIFTY = {"texels": "needed", "inputs": "vmf"}
 PLAIN = Variant("each frame anew", "tsl", THRIFTY)
@@ -86,30 +88,41 @@ def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:
     return sum(float(np.sum(a * b)) for a, b in pairs) / whole if whole > 0 else None
 
 
+def answers(found: Mapping[str, Mapping[str, Row]]) -> list[str]:
+    """What keeping light saves, in words, a line a sequence."""
+    return [f"**What keeping light saves** on `{name}`: {_verdict(rows)}" for name, rows in found.items()]
+
+
 def section(found: Mapping[str, Mapping[str, Row]]) -> Section:
     """What the study shows, by sequence."""
     parts: list[str | Table] = [
         "Light depends on the eye and the sun, not on where the camera looks. `reuse` keeps a tile's light for N "
-        "frames at most, tiles taking turns, and `tolerance` bounds by how much it may have changed meanwhile, as a part of "
-        "the peak of the highlight of the maps' highest power. All rows but the first two are "
+        "frames at most, tiles taking turns, and `tolerance` bounds by how much it may have changed meanwhile, as a "
+        "part of the peak of the highlight of the maps' highest power. All rows but the first are "
         '`texels = "needed"` with moments (`vmf`). *Lag* is by how many frames light is late: how often the '
         "difference that light of one frame ago makes is in the picture.",
     ]
     for sequence, rows in found.items():
         parts += [f"`{sequence}`: {_verdict(rows)}", _table(sequence, rows)]
+    parts.append(
+        "It fails where light itself moves: under a sun that sweeps by a degree a frame nothing can be kept within the "
+        "tolerance, and what the schedule keeps is an error several times as large. Where the eye stands still it "
+        "saves nearly all shading, and the light stays exact. Cut segments at the road's ends, hills that turn away, "
+        "wires and posts are always lit anew. What is left is finding and pasting what is read, which no light saves."
+    )
     return Section("Light kept from frame to frame", parts)
 
 
 def _verdict(rows: Mapping[str, Row]) -> str:
     """The cheapest setting within 5 % of the error, in words."""
     plain, pixels = rows[PLAIN.label], rows[PIXELS.label]
-    able = [row for row in rows.values() if row.lag is not None or row.trial.variant in KEPT]
-    able = [row for row in able if (row.trial.rms() or 0.0) <= 1.05 * (plain.trial.rms() or 0.0)]
+    kept = [rows[variant.label] for variant in KEPT]
+    able = [row for row in kept if (row.trial.rms() or 0.0) <= WANTED * (plain.trial.rms() or 0.0)]
     best = min(able, key=lambda row: cpu(row.times), default=plain)
-    if best is plain:
-        return "nothing that was tried is cheaper at 1.05 times the error."
+    if cpu(best.times) >= cpu(plain.times):
+        return f"nothing that was tried is cheaper within {WANTED:g} times the error."
     return (
-        f"within 1.05 times the error the cheapest is `{best.trial.variant.label}`: "
+        f"within {WANTED:g} times the error the cheapest is `{best.trial.variant.label}`: "
         f"{cpu(best.times) / cpu(plain.times):.2f} of the time of lighting anew, "
         f"{cpu(best.times) / cpu(pixels.times):.1f} times `pixel-aniso`, "
         f"{best.trial.shaded / max(plain.trial.shaded, 1.0):.2f} of the texels."

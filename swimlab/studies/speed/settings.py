@@ -37,6 +37,9 @@ def _settings(family: str, technique: str, key: str, values: Sequence[int], **ot
     return [Candidate(family, Variant(f"{short} {v}", technique, {key: v, **others})) for v in values]
 
 
+KEPT = {"texels": "needed", "inputs": "vmf"}
+"""Settings of `tsl` under which light is kept for some frames."""
+
 SEVERAL = (
     *_settings("pixel-aniso", "pixel-aniso", "anisotropy", (1, 2, 4, 8, 16)),
     *_settings("supersample", "supersample", "samples", (1, 4, 9, 16)),
@@ -45,6 +48,7 @@ SEVERAL = (
     Candidate("tsl thrifty", Variant("tsl visible", "tsl", {"texels": "visible"})),
     Candidate("tsl thrifty", Variant("tsl needed vmf", "tsl", {"texels": "needed", "inputs": "vmf"})),
     Candidate("tsl thrifty", Variant("tsl fitted vmf", "tsl", {"sizes": "fitted", "inputs": "vmf"})),
+    *(Candidate("tsl thrifty", Variant(f"tsl kept {n}", "tsl", KEPT | {"reuse": n})) for n in (2, 8)),
     *(Candidate(REFERENCE, Variant(f"reference {n}", REFERENCE), n) for n in (4, 16, 64)),
 )
 """What is tried at several settings; all other techniques are tried at their defaults."""
