@@ -122,21 +122,22 @@ def locate_texels(width: int) -> Twins:
 
 
 COLLECT = """
-    typedef float vec_4 __attribute__((ext_vector_type(4), aligned(4)));
     const float* __restrict a = lanes.data;
     const int depth2 = 2*depth, tile = 1 << depth2, all = (4*tile - 1)/3;
-    vec_4* __restrict out = (vec_4*)texels.data;
+    float* __restrict out = (float*)texels.data;
     int found = 0;
     for (int k = 0; k < count; ++k) found += owners.data[k] >= 0;
     if (found == count && tile >= LANES) {
-        out += (s >> depth2)*all + (s & (tile - 1));
-        for (int k = 0; k < count; ++k) out[k] = (vec_4){a[k], a[LANES + k], a[2*LANES + k], 1.0f};
+        out += 4*((s >> depth2)*all + (s & (tile - 1)));
+        for (int k = 0; k < count; ++k) {
+            out[4*k] = a[k]; out[4*k + 1] = a[LANES + k]; out[4*k + 2] = a[2*LANES + k]; out[4*k + 3] = 1.0f;
+        }
         return found;
     }
     for (int k = 0; k < count; ++k) {
-        const int here = s + k;
-        const vec_4 light = {a[k], a[LANES + k], a[2*LANES + k], 1.0f};
-        if (owners.data[k] >= 0) out[(here >> depth2)*all + (here & (tile - 1))] = light;
+        if (owners.data[k] < 0) continue;
+        float* to = out + 4*(((s + k) >> depth2)*all + ((s + k) & (tile - 1)));
+        to[0] = a[k]; to[1] = a[LANES + k]; to[2] = a[2*LANES + k]; to[3] = 1.0f;
     }
     return found;
 """.replace("LANES", str(LANES))
@@ -172,23 +173,28 @@ def collecting() -> Twins:
 
 
 KEEP = """
-    typedef float vec_4 __attribute__((ext_vector_type(4), aligned(4)));
     const int depth = pages.tile_level - level, all = ((4 << 2*depth) - 1)/3, finest = 1 << pages.tile_level;
+    float* to = (float*)held.data;
     for (int t = 0; t < count; ++t) {
         const int wanted = kept.data[first + t], entry = tiles.data[first + t];
         if (wanted > pages.tile_level) continue;
-        vec_4* block = (vec_4*)texels.data + t*all;
-        vec_4* upper = block;
+        float* block = (float*)(texels.data + t*all);
+        const float* upper = block;
         for (int side = 1 << depth; side > 1; side >>= 1) {
-            vec_4* out = upper + side*side;
-            for (int j = 0; j < side/2; ++j, upper += 2*side)
+            float* __restrict out = block + (upper - block) + 4*side*side;
+            for (int j = 0; j < side/2; ++j, upper += 8*side, out += 2*side) {
+                const float* lower = upper + 4*side;
                 for (int i = 0; i < side/2; ++i)
-                    *out++ = ((upper[2*i] + upper[2*i + 1]) + (upper[side + 2*i] + upper[side + 2*i + 1]))*0.25f;
+                    for (int c = 0; c < 4; ++c)
+                        out[4*i + c] = ((upper[8*i + c] + upper[8*i + 4 + c])
+                                        + (lower[8*i + c] + lower[8*i + 4 + c]))*0.25f;
+            }
         }
         const int side = 1 << (pages.tile_level - wanted), mine = ((4*side*side) - 1)/3;
-        vec_4* to = (vec_4*)held.data, *out = to + pages.table.data[entry] + 4*(finest*finest - side*side)/3;
-        for (int k = 0; k < mine - 1; ++k) out[k] = block[all - mine + k];
-        to[pages.table.data[pages.first - 1] + entry - pages.first] = block[all - 1];
+        float* out = to + 4*(pages.table.data[entry] + 4*(finest*finest - side*side)/3);
+        for (int k = 0; k < 4*(mine - 1); ++k) out[k] = block[4*(all - mine) + k];
+        out = to + 4*(pages.table.data[pages.first - 1] + entry - pages.first);
+        for (int c = 0; c < 4; ++c) out[c] = block[4*(all - 1) + c];
     }
 """
 
