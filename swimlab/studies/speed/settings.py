@@ -195,7 +195,9 @@ def sections(found: Found, *, about: str) -> list[Section]:
             "flicker²: *bias* is a neighbourhood's mean that is off, *detail* a lost or false pattern that sticks to "
             "the road, *flicker* what changes in time while the road does not. *Visible flicker* weighs that by what "
             "the eye sees, in thresholds. *Shaded* counts evaluations of the reflectance model: samples, texels and "
-            "vertices together. On the *front* of something is what nothing as cheap has less of. Neighbours on a "
+            "vertices together. `tsl kept N` shades the texels that are needed and keeps their light for up to N "
+            "frames: here the eye and the sun stand still, which is where that saves most; `bench beyond-the-deck` has "
+            "it where they move. On the *front* of something is what nothing as cheap has less of. Neighbours on a "
             "front that differ by less than ± may change places. The last row is the reference's own error, below "
             "which no difference counts.",
             Table("speed against error", columns, [*cells, reference]),
