@@ -8,6 +8,7 @@ has turned by as much. That frame follows from the sequence alone, so that what 
 
 from dataclasses import replace
 from math import e, sqrt
+from typing import NamedTuple
 
 import numpy as np
 import warp as wp
@@ -21,6 +22,15 @@ UNKNOWN = -(1 << 40)
 """A frame that is older than any that matters."""
 
 
+class Pose(NamedTuple):
+    """What light depends on. eye: m, in the world. direction, diffuse: of the sun. Frames of one number are alike."""
+
+    eye: tuple[float, ...]
+    direction: tuple[float, ...]
+    diffuse: float
+    number: int
+
+
 class Epochs:
     """Finds the frame whose light tiles have. reuse: frames that light is kept at most. tolerance: see above."""
 
@@ -28,7 +38,8 @@ class Epochs:
         self._reuse, self._tolerance = reuse, tolerance
         self._shots: dict[int, Shot] = {}
         self._whole: dict[int, Ints] = {}
-        self._poses: dict[tuple[float, ...], int] = {}
+        self._poses: dict[int, Pose] = {}
+        self._numbers: dict[object, int] = {}
 
     def look(self, shot: Shot) -> None:
         """Make `shot` the present, and forget frames that are too old to matter."""
@@ -36,6 +47,7 @@ class Epochs:
         near = range(shot.frame - self._reuse + 1, shot.frame)
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
         self._whole = {frame: old for frame, old in self._whole.items() if frame in near}
+        self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
 
     def shot(self, frame: int) -> Shot:
         """Another frame of the sequence."""
@@ -46,12 +58,16 @@ class Epochs:
     def poses(self, frames: Ints) -> Ints:
         """A number for each frame, the same where eye and sun are the same."""
         unique, inverse = np.unique(frames, return_inverse=True)
-        return np.array([self._pose(frame) for frame in unique.tolist()], np.int64)[inverse]
+        return np.array([self._pose(frame).number for frame in unique.tolist()], np.int64)[inverse]
 
-    def _pose(self, frame: int) -> int:
-        camera, light = self._now.sequence.view(frame).camera, self._now.sequence.sun(frame)
-        key = (camera.lateral, camera.distance, camera.height, *light.direction, light.diffuse)
-        return self._poses.setdefault(key, len(self._poses))
+    def _pose(self, frame: int) -> Pose:
+        if frame not in self._poses:
+            sequence = self._now.sequence
+            light = sequence.sun(frame)
+            eye = sequence.view(frame).camera.eye(sequence.scene.road)
+            content = tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
+            self._poses[frame] = Pose(*content, self._numbers.setdefault(content, len(self._numbers)))
+        return self._poses[frame]
 
     def epochs(self, layout: Layout, wanted: NDArray[np.bool_], before: Ints) -> Ints:
         """The frame whose light each wanted entry has now. before: what it was one frame ago, or UNKNOWN."""
@@ -59,15 +75,15 @@ class Epochs:
         found = np.full(layout.entries, now)
         oldest = now - self._reuse + 1
         frames = range(oldest, now + 1)
-        if self._tolerance == 0 or len({self._pose(frame) for frame in frames}) == 1:
+        poses = [self._pose(frame) for frame in frames]
+        if self._tolerance == 0 or len({pose.number for pose in poses}) == 1:
             return found
         entries = np.flatnonzero(wanted & layout.is_tile)
         targets = layout.owners[entries]
         row, column = np.divmod(entries - layout.firsts[targets], layout.across[targets])
         start = now - (now - column - 3 * row) % self._reuse
         known = before[entries] >= start
-        launcher, sequence = self._now.launcher, self._now.sequence
-        road = sequence.scene.road
+        launcher, road = self._now.launcher, self._now.sequence.scene.road
         u, v = ((index + 0.5) / layout.across[targets] for index in (column, row))
         y = (np.array(layout.segments)[targets] + v) * road.segment
         places = np.stack([(u - 0.5) * road.width, y, road.height_at(y)], axis=1)
@@ -76,8 +92,8 @@ class Epochs:
         inputs = [
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.array([sequence.view(frame).camera.eye(road) for frame in frames], wp.vec3d),
-            launcher.array([sequence.sun(frame).direction for frame in frames], wp.vec3),
+            launcher.array([pose.eye for pose in poses], wp.vec3d),
+            launcher.array([pose.direction for pose in poses], wp.vec3),
             launcher.array(whole, wp.int32),
             launcher.array(places, wp.vec3d),
             launcher.array(targets, wp.int32),
