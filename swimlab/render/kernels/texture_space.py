@@ -173,6 +173,16 @@ def unpremultiplication() -> Twins:
 LIGHT_LANES = LANES * rows_of(4)
 
 
+@wp.func
+def packet_end(visible: wp.array2d(dtype=wp.int32), row: wp.int32, x: wp.int32, width: wp.int32) -> wp.int32:
+    """One past the last cell of the packet that begins at x: a run of cells that see the same triangle."""
+    stop = wp.int32(x + 1)
+    last = wp.min(x + LANES, width)
+    while stop < last and visible[row, stop] == visible[row, x]:
+        stop += 1
+    return stop
+
+
 @functools.cache
 def mark_with(mark: wp.Function) -> wp.Kernel:
     """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
@@ -196,11 +206,8 @@ def mark_with(mark: wp.Function) -> wp.Kernel:
         x = wp.int32(0)
         while x < grid.width:
             triangle = visible[j, x]
-            stop = wp.int32(x + 1)
+            stop = packet_end(visible, j, x, grid.width)
             if triangle >= 0:
-                last = wp.min(x + LANES, grid.width)
-                while stop < last and visible[j, stop] == triangle:
-                    stop += 1
                 locate(planes[triangle], grid, x, j, stop - x, places, lanes)
                 mark(pages_of(atlas, atlas.targets[triangle]), places, stop - x, need)
             x = stop
@@ -230,11 +237,8 @@ def paste_with(fill: wp.Function) -> wp.Kernel:
         x = wp.int32(0)
         while x < grid.width:
             triangle = visible[j, x]
-            stop = wp.int32(x + 1)
+            stop = packet_end(visible, j, x, grid.width)
             if triangle >= 0:
-                last = wp.min(x + LANES, grid.width)
-                while stop < last and visible[j, stop] == triangle:
-                    stop += 1
                 locate(planes[triangle], grid, x, j, stop - x, places, lanes)
                 fill(texels, pages_of(atlas, atlas.targets[triangle]), places, stop - x, lanes)
                 unpremultiply(lanes, sun)

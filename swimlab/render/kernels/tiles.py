@@ -172,6 +172,19 @@ def collecting() -> Twins:
     return Twins(collect, COLLECT)
 
 
+@wp.func
+def halve_square(texels: wp.array(dtype=wp.vec4), first: wp.int32, side: wp.int32) -> wp.int32:
+    """Put the means of 2x2 behind a square of texels, and return where they begin."""
+    out = first + side * side
+    half = side / 2
+    for j in range(half):
+        for i in range(half):
+            at = first + 2 * j * side + 2 * i
+            total = (texels[at] + texels[at + 1]) + (texels[at + side] + texels[at + side + 1])
+            texels[out + j * half + i] = total * 0.25
+    return out
+
+
 KEEP = """
     const int depth = pages.tile_level - level, all = ((4 << 2*depth) - 1)/3, finest = 1 << pages.tile_level;
     float* to = (float*)held.data;
@@ -224,15 +237,8 @@ def keeping() -> Twins:
                 upper = wp.int32(t * whole)
                 side = wp.int32(1 << depth)
                 while side > 1:
-                    out = upper + side * side
-                    half = side / 2
-                    for j in range(half):
-                        for i in range(half):
-                            at = upper + 2 * j * side + 2 * i
-                            total = (texels[at] + texels[at + 1]) + (texels[at + side] + texels[at + side + 1])
-                            texels[out + j * half + i] = total * 0.25
-                    upper = out
-                    side = half
+                    upper = halve_square(texels, upper, side)
+                    side = side / 2
                 side = 1 << (pages.tile_level - wanted)
                 mine = (4 * side * side - 1) / 3
                 start = pages.table[entry] + 4 * (finest * finest - side * side) / 3
@@ -339,12 +345,5 @@ def reduce_coarse(first_target: wp.int32, atlas: Atlas, held: wp.array(dtype=wp.
     upper = wp.int32(pages.table[pages.first - 1])
     side = wp.int32(pages.width >> pages.tile_level)
     while side > 1:
-        out = upper + side * side
-        half = side / 2
-        for j in range(half):
-            for i in range(half):
-                at = upper + 2 * j * side + 2 * i
-                total = (held[at] + held[at + 1]) + (held[at + side] + held[at + side + 1])
-                held[out + j * half + i] = total * 0.25
-        upper = out
-        side = half
+        upper = halve_square(held, upper, side)
+        side = side / 2
