@@ -14,9 +14,10 @@ _TEXT = (
     f"share of a glued pattern's energy, content below {LIMIT:g} cycles/px, that reads as flicker: the measure's own"
 )
 _SOURCE = "a pattern followed through the clip's own motion fields; middle span"
+_FORMULA = "sum |G - mean_t G|^2 T / (T - 1), over sum |G|^2; G the pattern's spectra"
 
-SCORES = {"budget.alignment_floor": Metric("1", "information", _TEXT, _SOURCE)} | {
-    f"budget.alignment_floor.{band}": Metric("1", "information", f"{_TEXT}; {describe(band)}", _SOURCE)
+SCORES = {"budget.alignment_floor": Metric("1", "information", _TEXT, _SOURCE, _FORMULA)} | {
+    f"budget.alignment_floor.{band}": Metric("1", "information", f"{_TEXT}; {describe(band)}", _SOURCE, _FORMULA)
     for band in BANDS
 }
 

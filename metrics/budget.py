@@ -22,7 +22,7 @@ from metrics.ratios import Ratios
 from metrics.spans import Span
 from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
-from metrics.transform import Energy, octave_sum, squares
+from metrics.transform import Energy, follow, octave_energy
 
 CUT = 1 / 16
 """Cycles/px at which detail begins; an octave begins there too."""
@@ -34,15 +34,26 @@ PARTS = {
     "flicker": "part of mse: changes in time on the surface: sparkle, swimming, noise (Bessel's correction)",
     "floor": "the reference's own squared error, which no difference can be resolved below",
 }
+FORMULAS = {
+    "mse": "sum w^2 e^2 / sum w^2",
+    "bias": f"sum over |k| < {CUT:g} of max(0, |mean_t E|^2 - var_t E / (T - 1)), over sum w^2",
+    "detail": f"sum over |k| >= {CUT:g} of max(0, |mean_t E|^2 - var_t E / (T - 1)), over sum w^2",
+    "flicker": "mse - bias - detail: var_t E T / (T - 1) over sum w^2, octave by octave no more than there is",
+    "floor": "sum w^2 h^2 / sum w^2; h = (A - B) / 2 of the reference's halves A and B",
+}
 _SOURCE = "bias-variance decomposition over time, by Parseval on surface-locked tile spectra"
 _FRAMES = "flicker cannot be distinguished from a static error in fewer than 2 frames"
 
 SCORES = {
-    f"budget.{part}": Metric("radiance^2", "information" if part == "floor" else "lower", text, _SOURCE)
+    f"budget.{part}": Metric("radiance^2", "information" if part == "floor" else "lower", text, _SOURCE, FORMULAS[part])
     for part, text in PARTS.items()
 } | {
     f"budget.{part}.{band}": Metric(
-        "radiance^2", "information" if part == "floor" else "lower", f"{text}; {describe(band)}", _SOURCE
+        "radiance^2",
+        "information" if part == "floor" else "lower",
+        f"{text}; {describe(band)}",
+        _SOURCE,
+        FORMULAS[part],
     )
     for part, text in PARTS.items()
     for band in BANDS
@@ -64,28 +75,23 @@ class Budget:
     def begin(self, span: Span) -> None:
         self._span = span
         self._last = [np.zeros((lv.count, 3, *lv.spectrum_shape), dtype=np.complex64) for lv in span.levels]
-        self._running = RunningMean(span, octaves=True) if self._context.has_reference else None
-        self._squared, self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(3))
+        self._running = RunningMean(span) if self._context.has_reference else None
+        self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(2))
         # Sums over a piece's tiles, frame by frame.
-        self._sums = {name: np.zeros((span.count, len(pieces(span)))) for name in ("weight", "mse")}
+        self._weights = np.zeros((span.count, len(pieces(span))))
         self._octaves, self._changes = np.zeros((2, span.count, len(pieces(span)), len(OCTAVES)))
 
     def add(self, batch: Batch) -> None:
         row = (batch.frame - self._span.start, batch.piece)
         spectra = batch.test if batch.error is None else batch.error
-        self._sums["weight"][row] = 3 * batch.weight * len(spectra)
-        last, size = self._last[batch.level][batch.tiles], self._span.levels[batch.level].size
-        self._changes[row] = octave_sum(squares(spectra - last), size) / 2
-        last[...] = spectra
-        squared, noise = batch.pixel_energy, batch.floor_energy
-        if batch.error is None or squared is None or self._running is None:
+        self._weights[row] = 3 * batch.weight * len(spectra)
+        self._changes[row] = follow(self._last[batch.level][batch.tiles], spectra, 1.0).sum(axis=0) / 2
+        if batch.error is None or self._running is None:
             return
-        self._sums["mse"][row] = squared.sum()
-        if batch.error_squares is not None:
-            self._octaves[row] = octave_sum(batch.error_squares, size)
+        self._octaves[row] = octave_energy(batch.error).sum(axis=0)
         self._running.add(batch, batch.error)
-        self._squared[batch.level][batch.tiles] += squared
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
+        noise = batch.floor_energy
         if noise is not None:
             self._noise[batch.level][batch.tiles] += noise
 
@@ -98,24 +104,17 @@ class Budget:
             entry = self._frames.setdefault(frame, dict.fromkeys(("weight", "mse", "change"), 0.0))
             octaves = self._octaves[index].sum(axis=0)
             self._strip[frame] = self._strip.get(frame, 0.0) + octaves / left[index]
-            entry["weight"] += float(self._sums["weight"][index].sum())
-            # By Parseval octaves add up to this, but for the rounding of single precision.
-            squared = float(self._sums["mse"][index].sum())
-            entry["mse"] += squared + float((octaves / left[index] - octaves).sum())
+            entry["weight"] += float(self._weights[index].sum())
+            entry["mse"] += float((octaves / left[index]).sum())
             between = (left[index] + left[index - 1]) / 2
             entry["change"] += np.nan if index == 0 else float((self._changes[index].sum(axis=0) / between).sum())
         if self._running is None:
             return
         for index, level in enumerate(self._span.levels):
             static, varied = self._running.split(index, self._span.count)
-            exact: Energy = np.ones((level.count, 1))
-            if self._span.left is None:
-                spectral = (static + varied).sum(axis=1)
-                ratio = np.divide(self._squared[index], spectral, out=np.zeros(level.count), where=spectral > 0)
-                exact = ratio[:, None]
-            else:
+            if self._span.left is not None:
                 self._noise[index] /= self._span.left[index] @ WHITE
-            self._settle(index, level, static * exact, varied * exact)
+            self._settle(index, level, static, varied)
 
     def _settle(self, index: int, level: Level, static: Energy, varied: Energy) -> None:
         """Add up the parts of a level's tiles, [n, octaves]."""

@@ -6,7 +6,9 @@ from metrics.spectra import Batch
 from metrics.tiles import Level
 
 SCORES = {
-    "covered.fraction": Metric("1", "information", "share of wholly covered pixels", "mean over frames"),
+    "covered.fraction": Metric(
+        "1", "information", "share of wholly covered pixels", "mean over frames", "wholly covered / all"
+    ),
 }
 
 

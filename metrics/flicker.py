@@ -9,13 +9,14 @@ from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
 
 _SOURCE = "sample variance over time of surface-locked tile spectra: residual under true motion"
+_FORMULA = "sum |X - mean_t X|^2 / (T - 1), over sum w^2"
 
 SCORES = {
     "residual.flicker": Metric(
-        "radiance^2", "lower", "change in time of the test on the surface; no reference needed", _SOURCE
+        "radiance^2", "lower", "change in time of the test on the surface; no reference needed", _SOURCE, _FORMULA
     ),
     "residual.flicker.reference": Metric(
-        "radiance^2", "information", "the same of the reference: what its pixel filter cannot calm", _SOURCE
+        "radiance^2", "information", "the same of the reference: what its pixel filter cannot calm", _SOURCE, _FORMULA
     ),
 }
 
@@ -45,8 +46,7 @@ class ResidualFlicker:
 
     def end(self) -> None:
         for index, level in enumerate(self._span.levels):
-            varied = {name: running.split(index, self._span.count)[1] for name, running in self._running.items()}
-            parts = {name: each.sum(axis=1) if each.ndim == 2 else each for name, each in varied.items()}
+            parts = {name: each.split(index, self._span.count)[1].sum(axis=1) for name, each in self._running.items()}
             self._ratios.add(level.size, self._weight[index], parts)
 
     def finish(self) -> Measurement:

@@ -66,7 +66,7 @@ class Glued:
             pattern = pattern_at(self.launcher, waves.frequency, waves.phase, there)
             seen = self.correspondence.take(pattern[None], place, whole)
             for index, transform in enumerate(transforms):
-                spectra = transform.spectra(transform.blocks(seen, slice(None)))
+                spectra, _ = transform.seen(seen)
                 total[index] += energy(spectra)
                 if number == 0:
                     first[index] = spectra

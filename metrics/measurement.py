@@ -17,12 +17,17 @@ _LISTED = 4
 
 @dataclass(frozen=True)
 class Metric:
-    """A score's unit, which direction is better, what it says in one line, and where it comes from."""
+    """A score's unit, which direction is better, what it says in one line, and where it comes from.
+
+    formula: how it is made of frames. There e is test - reference, E its surface-locked spectra at spatial frequency
+    k, X the test's, w the tiles' window and T the number of frames; sums are over all tiles and channels.
+    """
 
     unit: str
     better: Better
     description: str
     source: str
+    formula: str = ""
 
 
 @dataclass

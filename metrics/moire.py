@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, stats
+from scipy import ndimage, special
 
 from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level, window
-from metrics.transform import Picture, squares
+from metrics.transform import bin_energy
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""
@@ -43,11 +43,18 @@ SCORES = {
         "lower",
         "energy above the reference's, by radial frequency, over the reference's energy",
         _SOURCE,
+        "sum over rings of max(0, P_test - P_reference), over sum of P_reference",
     ),
     "moire.peak_frequency": Metric(
-        "cycles/px", "information", "frequency of the error's strongest spectral peak", _SOURCE
+        "cycles/px",
+        "information",
+        "frequency of the error's strongest spectral peak",
+        _SOURCE,
+        "|k| of the peak of P_error",
     ),
-    "moire.peak_strength": Metric("dB", "lower", "power of that peak over the local floor", _SOURCE),
+    "moire.peak_strength": Metric(
+        "dB", "lower", "power of that peak over the local floor", _SOURCE, "10 log10(P_error / median around it)"
+    ),
 }
 
 KINDS = ("test", "reference", "error")
@@ -86,11 +93,10 @@ class Moire:
         if batch.level != 0 or batch.error is None or batch.reference is None:
             return
         powers = self._pieces.setdefault(batch.piece, {})
-        parts = (squares(batch.test), squares(batch.reference), batch.error_squares)
-        power = np.stack([_power(part, batch.error.shape[2:]) for part in parts if part is not None])
+        found = [bin_energy(spectra) for spectra in (batch.test, batch.reference, batch.error)]
         strips = self._strip[batch.tiles]
         for strip in np.unique(strips).tolist():
-            summed = power[:, strips == strip].sum(axis=1, dtype=np.float64)
+            summed = np.stack([each[strips == strip].sum(axis=0, dtype=np.float64) for each in found])
             powers[strip] = powers[strip] + summed if strip in powers else summed
 
     def end(self) -> None:
@@ -144,13 +150,8 @@ class Moire:
             power = self._mean(size, [other for other in strips if other != strip])
             followed = leading and follow_peak(power["error"], leading, independent=independent)
             left.append(_values(power, followed))
-        names = set.intersection(*map(set, left))
+        names = [name for name in left[0] if all(name in values for values in left)]
         return {name: [values[name] for values in left] for name in names}
-
-
-def _power(parts: Picture, shape: tuple[int, ...]) -> Picture:
-    """[n, L, L/2 + 1] from the squares of real and imaginary parts, in turns."""
-    return (parts[:, ::2] + parts[:, 1::2]).reshape(len(parts), *shape)
 
 
 def _values(power: dict[str, Power], leading: Peak | None) -> dict[str, float]:
@@ -204,7 +205,7 @@ def find_peaks(power: Power, *, independent: float) -> list[Peak]:
     plane = _whole_plane(power)
     floor = _floor(plane, independent)
     freedom = 2 * independent
-    by_chance = stats.chi2.isf(CHANCE / (size * size / 2), freedom) / freedom
+    by_chance = special.chdtri(freedom, CHANCE / (size * size / 2)) / freedom
     highest = ndimage.maximum_filter(plane, size=2 * _CORE + 1, mode="wrap") == plane
     radius = np.hypot(*np.meshgrid(np.arange(size) - size // 2, np.arange(size) - size // 2, indexing="ij"))
     high = plane > floor * max(MIN_RATIO, by_chance)
@@ -231,7 +232,8 @@ def _floor(plane: Power, independent: float) -> Power:
     ring = np.hypot(reach[:, None], reach[None, :])
     freedom = 2 * independent
     median = ndimage.median_filter(plane, footprint=(ring <= _HALO) & (ring > _CORE), mode="wrap")
-    return np.asarray(median / (stats.chi2.median(freedom) / freedom))
+    # The median of chi-square; scipy.stats, which gives the same bits, takes long to load.
+    return np.asarray(median / (2 * special.gammaincinv(freedom / 2, 0.5) / freedom))
 
 
 def _peak(plane: Power, floor: Power, row: int, column: int) -> Peak:

@@ -36,11 +36,20 @@ FLAT = 1e-12
 
 _SOURCE = "Watson & Ahumada 1983, NASA TM-84352; least squares at the frequencies -n.v"
 
+_SHARE = "sum over {} of |a_n|^2, over all energies; X(t) = sum_n a_n exp(-2 pi i n.v t) by least squares"
 SCORES = {
-    "plane.on": Metric("1", "higher", "share of the energy that moves with the surface", _SOURCE),
-    "plane.order1": Metric("1", "lower", "share of aliases of the first order", _SOURCE),
-    "plane.order2": Metric("1", "lower", "share of aliases of the second order", _SOURCE),
-    "plane.off": Metric("1", "lower", "share off every plane: noise, blinking, higher orders", _SOURCE),
+    "plane.on": Metric(
+        "1", "higher", "share of the energy that moves with the surface", _SOURCE, _SHARE.format("n = 0")
+    ),
+    "plane.order1": Metric(
+        "1", "lower", "share of aliases of the first order", _SOURCE, _SHARE.format("max(|nx|, |ny|) = 1")
+    ),
+    "plane.order2": Metric(
+        "1", "lower", "share of aliases of the second order", _SOURCE, _SHARE.format("max(|nx|, |ny|) = 2")
+    ),
+    "plane.off": Metric(
+        "1", "lower", "share off every plane: noise, blinking, higher orders", _SOURCE, "1 - on - order1 - order2"
+    ),
 }
 RANKS = {"plane.on": 0, "plane.order1": 1, "plane.order2": 2}
 

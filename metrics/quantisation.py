@@ -12,6 +12,7 @@ SCORES = {
         "information",
         "flicker that rounding to the stored codes makes by itself; none of 32-bit floats",
         "a code's step^2 / 12 (Bennett 1948, Spectra of Quantized Signals)",
+        "mean of step^2 / 12 over pixels and frames, step in radiance",
     )
 }
 

@@ -29,12 +29,21 @@ SCORES = {
         "lower",
         "rms difference to the reference at each scale over its rms, rms over the scales",
         _SOURCE,
+        "sqrt(mean over scales of r_s^2), r_s = rms(test_s - reference_s) / rms(reference_s)",
     ),
     "scale.self_rmse": Metric(
-        "1", "lower", "the same to the technique's own filtered scale-1 picture, below scale 1", _SOURCE
+        "1",
+        "lower",
+        "the same to the technique's own filtered scale-1 picture, below scale 1",
+        _SOURCE,
+        "sqrt(mean over scales of q_s^2), q_s = rms(test_s - filtered_s) / rms(filtered_s)",
     ),
     "scale.mean_drift": Metric(
-        "%", "lower", "largest change of mean radiance against the own filtered scale-1 picture", _SOURCE
+        "%",
+        "lower",
+        "largest change of mean radiance against the own filtered scale-1 picture",
+        _SOURCE,
+        "max over scales of |d_s|, d_s = 100 (mean(test_s) / mean(filtered_s) - 1)",
     ),
     "scale.highlight": Metric(
         "1",
@@ -42,12 +51,14 @@ SCORES = {
         f"energy above the {HIGHLIGHT:g}th percentile over that of the own filtered scale-1 picture; the scale "
         "furthest from 1",
         _SOURCE,
+        f"sum of test_s^2 above b, over sum of filtered_s^2 above b; b the {HIGHLIGHT:g}th percentile at scale 1",
     ),
     "scale.slope": Metric(
         "% per octave",
         "information",
         "least-squares slope of the mean's drift against log2 of the scale",
         _SOURCE,
+        "sum (x - mean x) d_s / sum (x - mean x)^2, x = log2(s)",
     ),
 }
 

@@ -135,7 +135,7 @@ def measure(
         found.merge(each.finish())
     if every_pixel:
         found.merge(whole.finish())
-    found.notes += _extent_note(found.scores)
+    found.notes += _extent_note(found.scores) + (whole.glints.notes() if domain == "linear" else [])
     found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.selected(name, names)}
     found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
     found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}

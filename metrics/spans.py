@@ -155,7 +155,7 @@ def uniform_steps(geometry: Geometry) -> NDArray[np.float64] | None:
             continue
         surface = geometry.surface(t)
         seen = surface.motion[surface.whole]
-        if len(seen) and np.max(np.ptp(seen, axis=0)) > UNIFORM:
+        if len(seen) and max(np.ptp(seen[:, axis]) for axis in range(2)) > UNIFORM:
             return None
         steps[t] = seen.mean(axis=0, dtype=np.float64)[::-1] if len(seen) else steps[t - 1]
     return steps

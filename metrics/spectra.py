@@ -9,7 +9,7 @@ import numpy as np
 from metrics.octaves import OCTAVES
 from metrics.parts import pieces
 from metrics.spans import Span
-from metrics.transform import Energy, Picture, Spectrum, TileTransform, energy, octave_energy, squares
+from metrics.transform import Energy, Picture, Spectrum, TileTransform, follow, octave_energy
 
 
 @dataclass(frozen=True)
@@ -51,46 +51,35 @@ class Batch:
     @cached_property
     def test(self) -> Spectrum:
         """[n, 3, L, L/2 + 1]."""
-        return self.transform.spectra(self._seen)
+        return self._seen[0]
 
     @cached_property
     def error(self) -> Spectrum | None:
         """The same of the test minus the reference, if there is one."""
-        return None if self._wrong is None else self.transform.spectra(self._wrong)
+        error = self.pictures.error
+        return None if error is None else self.transform.seen(error, self.tiles)[0]
 
     @cached_property
     def reference(self) -> Spectrum | None:
         return None if self.error is None else self.test - self.error
 
-    @cached_property
-    def error_squares(self) -> Picture | None:
-        """Of the error's spectra the squared real and imaginary parts, in turns, summed over channels, [n, 2 bins]."""
-        return None if self.error is None else squares(self.error)
-
-    @cached_property
-    def mean(self) -> Energy:
-        """[n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best."""
-        return self.transform.mean(self._seen)
-
     @property
-    def pixel_energy(self) -> Energy | None:
-        """[n], sum of w^2 e^2 from pixels, if there is a reference."""
-        return None if self._wrong is None else energy(self._wrong)
+    def mean(self) -> Picture:
+        """[n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best."""
+        return self._seen[1]
 
     @property
     def floor_energy(self) -> Energy | None:
-        """[n], the same of the reference's half-difference, if it is known."""
+        """[n], sum of w^2 x^2 of the reference's half-difference from pixels, if it is known."""
         half = self.pictures.half_difference
-        return None if half is None else energy(self.transform.blocks(half, self.tiles))
+        if half is None:
+            return None
+        blocks = self.transform.blocks(half, self.tiles).reshape(self.tiles.stop - self.tiles.start, -1)
+        return np.asarray(np.vecdot(blocks, blocks), dtype=np.float64)
 
     @cached_property
-    def _seen(self) -> Picture:
-        return self.transform.blocks(self.pictures.test, self.tiles)
-
-    @cached_property
-    def _wrong(self) -> Picture | None:
-        error = self.pictures.error
-        return None if error is None else self.transform.blocks(error, self.tiles)
+    def _seen(self) -> tuple[Spectrum, Picture]:
+        return self.transform.seen(self.pictures.test, self.tiles)
 
 
 def transforms(span: Span, t: int) -> list[TileTransform]:
@@ -108,29 +97,23 @@ def batches(span: Span, t: int, pictures: Pictures) -> Iterator[Batch]:
 class RunningMean:
     """Mean over time of locked spectra, and the energy of the variation about it (Welford 1962).
 
-    mean: for every level [n, 3, L, L/2 + 1]. varied: for every level, sum over frames of |X - mean|^2: [n], or
-    [n, octaves], as it is where unwarping takes some of the energy of octaves.
+    mean: for every level [n, 3, L, L/2 + 1]. varied: for every level [n, octaves], sum over frames of |X - mean|^2.
     """
 
-    def __init__(self, span: Span, *, octaves: bool = False) -> None:
-        octaves = octaves or span.left is not None
+    def __init__(self, span: Span) -> None:
         self.mean = [np.zeros((level.count, 3, *level.spectrum_shape), dtype=np.complex64) for level in span.levels]
-        self.varied = [np.zeros((level.count, len(OCTAVES)) if octaves else level.count) for level in span.levels]
-        self._energy = octave_energy if octaves else energy
+        self.varied = [np.zeros((level.count, len(OCTAVES))) for level in span.levels]
         self._start, self._left = span.start, span.left
 
     def add(self, batch: Batch, spectra: Spectrum) -> None:
         """Take in the next frame's spectra of the batch's tiles."""
         seen = batch.frame - self._start + 1
-        mean = self.mean[batch.level][batch.tiles]
-        away = spectra - mean
+        away = follow(self.mean[batch.level][batch.tiles], spectra, 1 / seen)
         if seen > 1:
-            self.varied[batch.level][batch.tiles] += self._energy(away) * ((seen - 1) / seen)
-        away *= np.float32(1 / seen)
-        mean += away
+            self.varied[batch.level][batch.tiles] += away * ((seen - 1) / seen)
 
     def split(self, level: int, count: int) -> tuple[Energy, Energy]:
-        """Energies over `count` frames of what is static and of what varies, each [n], or [n, octaves].
+        """Energies over `count` frames of what is static and of what varies, each [n, octaves].
 
         They add up to the whole, and what unwarping took is given back. By Bessel's correction what varies
         independently from frame to frame, such as noise, has no static part on average (which may make a static energy
@@ -139,4 +122,4 @@ class RunningMean:
         varied = self.varied[level]
         excess = varied / max(1, count - 1)
         left = 1.0 if self._left is None else self._left[level]
-        return (count * self._energy(self.mean[level]) - excess) / left, (varied + excess) / left
+        return (count * octave_energy(self.mean[level]) - excess) / left, (varied + excess) / left

@@ -13,12 +13,14 @@ Pictures and spectra are held in single precision, which costs 1e-7 of an amplit
 """
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
+from metrics.kernels.energies import bin_energies, following_energies, octave_energies
+from metrics.kernels.fourier import tile_spectra
+from metrics.kernels.launch import on_cpu
 from metrics.octaves import OCTAVES
 from metrics.tiles import Level, split, window
 
@@ -38,18 +40,43 @@ class TileTransform:
         whole, (down, right) = split(offset)
         self.origin = level.origin + np.array(whole) - np.array([first_row, 0])
         self.size = size
-        self.window = (window(size, down)[:, None] * window(size, right)[None, :]).astype(np.float32)
+        self.window = np.outer(window(size, down), window(size, right)).astype(np.float32, order="C")
         self.weight = float(np.sum(self.window**2, dtype=np.float64))
         hann = _hann(size, down)[:, None] * _hann(size, right)[None, :]
         levelling = np.where(self.window > 0, hann / np.maximum(self.window, 1e-30), 0.0) / hann.sum()
-        self._levelling = levelling.astype(np.float32).ravel()
+        self._levelling = levelling.astype(np.float32, order="C")
         vertical, horizontal = level.frequencies()
         middle = (size - 1) / 2
         scale = np.full(size // 2 + 1, np.sqrt(2.0))
         scale[[0, -1]] = 1.0
         turn = np.exp(2j * np.pi * (vertical * (middle + down) + horizontal * (middle + right)))
-        self.phase: Spectrum = (turn * scale / size).astype(np.complex64)
-        self.constant = self.spectra(self.window)
+        phase = turn * scale / size
+        self._phase = np.stack([phase.real, phase.imag]).astype(np.float32, order="C")
+        self._corners = self.origin.astype(np.int32, order="C")
+
+    @cached_property
+    def constant(self) -> Spectrum:
+        """[L, L/2 + 1], the spectrum of a constant picture of value 1."""
+        ones = np.ones((1, self.size, self.size), np.float32)
+        spectrum: Spectrum = self._transformed(ones, np.zeros((1, 2), np.int32))[0][0, 0]
+        return spectrum
+
+    def seen(self, planes: Picture, tiles: slice = slice(None)) -> tuple[Spectrum, Picture]:
+        """What tiles show of a picture [channels, H, W].
+
+        Returns their surface-locked spectra [n, channels, L, L/2 + 1], and [n, channels] the picture's mean in each,
+        by a Hann window.
+        """
+        return self._transformed(planes, self._corners[tiles])
+
+    def _transformed(self, planes: Picture, corners: NDArray[np.int32]) -> tuple[Spectrum, Picture]:
+        shape = (len(corners), len(planes))
+        spectra: Spectrum = np.empty((*shape, self.size, self.size // 2 + 1), np.complex64)
+        mean: Picture = np.empty(shape, np.float32)
+        inputs = [np.ascontiguousarray(planes), corners, self.window, self._levelling, self._phase]
+        parts = spectra.view(np.float32).reshape(-1, self.size, self.size + 2, copy=False)
+        on_cpu(tile_spectra(self.size), len(parts), [*inputs, parts, mean])
+        return spectra, mean
 
     def blocks(self, planes: Picture, tiles: slice) -> Picture:
         """Windowed blocks [n, 3, L, L] of a picture [3, H, W]."""
@@ -74,55 +101,49 @@ class TileTransform:
             found[tiles] = np.vecdot(blocks.reshape(*blocks.shape[:2], -1), self.window.ravel())
         return found / self.weight
 
-    def mean(self, blocks: Picture) -> Energy:
-        """[n, 3], Hann-weighted mean of each windowed block's picture."""
-        flat = blocks.reshape(*blocks.shape[:2], -1)
-        return np.asarray(np.vecdot(flat, self._levelling), dtype=np.float64)
-
-    def spectra(self, blocks: Picture) -> Spectrum:
-        """Surface-locked spectra of windowed blocks."""
-        spectra: Spectrum = fft.rfft2(blocks)
-        spectra *= self.phase
-        return spectra
-
 
 def _hann(size: int, shift: float) -> NDArray[np.float64]:
     x = np.arange(size) + 0.5 - size / 2 - shift
     return np.asarray(np.where(np.abs(x) < size / 2, np.cos(np.pi * x / size) ** 2, 0.0))
 
 
-def energy(values: Picture | Spectrum) -> Energy:
-    """Sum of |values|^2 over channels and both last axes, [n]."""
-    real = _flat(values)
-    return np.asarray(np.vecdot(real, real).sum(axis=1, dtype=np.float64))
-
-
-def _flat(values: Picture | Spectrum) -> Picture:
-    """Real and imaginary parts, [n, channels, parts]."""
-    flat = np.ascontiguousarray(values).reshape(*values.shape[:2], math.prod(values.shape[2:]))
-    return flat.view(np.float32)
+def energy(values: Spectrum) -> Energy:
+    """Sum of |values|^2 over channels and both last axes of [n, channels, L, L/2 + 1], [n]."""
+    return np.asarray(octave_energy(values).sum(axis=1))
 
 
 def octave_energy(spectra: Spectrum) -> Energy:
     """The same by octave of |k|, [n, octaves]."""
-    parts = squares(spectra)
-    return np.stack([np.vecdot(parts, member) for member in _members(spectra.shape[-2])], axis=1).astype(np.float64)
+    found = np.empty((len(spectra), len(OCTAVES)))
+    on_cpu(octave_energies(), len(spectra), [_flat(spectra), _octaves(spectra.shape[-2]), found])
+    return found
 
 
-def octave_sum(squared: Picture, size: int) -> Energy:
-    """[octaves], the energy of squares [n, 2 bins] of tiles of one size, all together."""
-    return np.asarray(np.vecdot(_members(size), squared.sum(axis=0)), dtype=np.float64)
+def follow(state: Spectrum, spectra: Spectrum, share: float) -> Energy:
+    """Move a state, in place, by a share of the way to spectra of the same shape; at 1 it becomes them.
+
+    Returns the energy of the way by octave of |k|, [n, octaves].
+    """
+    found = np.empty((len(spectra), len(OCTAVES)))
+    inputs = [_flat(state), _flat(spectra), share, _octaves(spectra.shape[-2]), found]
+    on_cpu(following_energies(), len(spectra), inputs)
+    return found
 
 
-def squares(spectra: Spectrum) -> Picture:
-    """Squared real and imaginary parts, in turns, summed over channels, [n, 2 bins]."""
-    real = _flat(spectra)
-    return np.asarray(np.einsum("ncp,ncp->np", real, real))
+def bin_energy(spectra: Spectrum) -> Picture:
+    """|X(k)|^2 summed over channels, [n, L, L/2 + 1]."""
+    found = np.empty((len(spectra), *spectra.shape[2:]), np.float32)
+    on_cpu(bin_energies(), len(spectra), [_flat(spectra), found.reshape(len(spectra), -1)])
+    return found
+
+
+def _flat(spectra: Spectrum) -> Picture:
+    """The same memory as real and imaginary parts, [n, channels, 2 bins]."""
+    return spectra.view(np.float32).reshape(*spectra.shape[:2], 2 * math.prod(spectra.shape[2:]), copy=False)
 
 
 @lru_cache(maxsize=8)
-def _members(size: int) -> Picture:
-    """[octaves, size (size + 2)], 1 where a real or imaginary part of a half plane's bin is in an octave."""
+def _octaves(size: int) -> NDArray[np.int32]:
+    """[size (size + 2)], the octave of each real or imaginary part of a half plane's bin."""
     radius = np.hypot(np.fft.fftfreq(size)[:, None], np.fft.rfftfreq(size)[None, :])
-    octave = np.digitize(np.repeat(radius.ravel(), 2), OCTAVES) - 1
-    return np.asarray(octave == np.arange(len(OCTAVES))[:, None], dtype=np.float32)
+    return np.asarray(np.digitize(np.repeat(radius.ravel(), 2), OCTAVES) - 1, np.int32)

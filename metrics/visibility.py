@@ -24,6 +24,7 @@ SCORES = {
         "lower",
         "flicker of luminance contrast on the surface over the threshold of an eye that follows it, pooled by squares",
         "contrast sensitivity: Kelly 1979, Motion and vision II, eq. 8",
+        "sqrt(2 sum S(f_t, f_s)^2 |Y|^2) / mean luminance; Y of luminance, in segments of 8 frames less their mean",
     ),
 }
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from metrics.clip import Image
 from metrics.correspondence import claims
 from metrics.geometry import Field, Geometry, Mask, Surface
+from metrics.glints import Glints
 from metrics.kernels.launch import Launcher
 from metrics.kernels.pairs import COLUMNS, compare_pairs, mark_landed, own_places, sum_blocks
 from metrics.kernels.pattern import pattern_at
@@ -43,15 +44,35 @@ _PATTERN = {"limit": 1 / 8, "waves": 6}
 _PAIR = "pairs of frames on the same surface, flicker <d^2>/2 (unbiased variance of two)"
 _CLASS = "geometry alone: motion, coverage and where tiles lie"
 
+_PAIRED = "sum (e_t - e_{t-1} there)^2 / 2 over edges, with what interpolation took given back, over their pixels"
+_SHARE = "pixels of the class / covered pixels, all frames"
 SCORES = {
-    "frame.mse": Metric("radiance^2", "lower", "squared error of all covered pixels, silhouettes included", "pixels"),
-    "measured.fraction": Metric("1", "information", "share of covered pixels that tiles reach", _CLASS),
-    "edges.mse": Metric("radiance^2", "lower", "squared error of pixels that tiles do not reach, but pairs do", _PAIR),
-    "edges.flicker": Metric("radiance^2", "lower", "part of edges.mse that changes from frame to frame", _PAIR),
-    "edges.floor": Metric("1", "information", "share of a glued pattern's energy that reads as edges.flicker", _PAIR),
-    "edges.fraction": Metric("1", "information", "share of covered pixels that only pairs of frames reach", _CLASS),
-    "new.mse": Metric("radiance^2", "lower", "squared error of pixels that the frame before does not show", _CLASS),
-    "new.fraction": Metric("1", "information", "share of covered pixels that the frame before does not show", _CLASS),
+    "frame.mse": Metric(
+        "radiance^2", "lower", "squared error of all covered pixels, silhouettes included", "pixels", "mean of e^2"
+    ),
+    "measured.fraction": Metric("1", "information", "share of covered pixels that tiles reach", _CLASS, _SHARE),
+    "edges.mse": Metric(
+        "radiance^2", "lower", "squared error of pixels that tiles do not reach, but pairs do", _PAIR, "mean of e^2"
+    ),
+    "edges.flicker": Metric(
+        "radiance^2", "lower", "part of edges.mse that changes from frame to frame", _PAIR, _PAIRED
+    ),
+    "edges.floor": Metric(
+        "1",
+        "information",
+        "share of a glued pattern's energy that reads as edges.flicker",
+        _PAIR,
+        "the same of a glued pattern, over its energy",
+    ),
+    "edges.fraction": Metric(
+        "1", "information", "share of covered pixels that only pairs of frames reach", _CLASS, _SHARE
+    ),
+    "new.mse": Metric(
+        "radiance^2", "lower", "squared error of pixels that the frame before does not show", _CLASS, "mean of e^2"
+    ),
+    "new.fraction": Metric(
+        "1", "information", "share of covered pixels that the frame before does not show", _CLASS, _SHARE
+    ),
 }
 
 Cells = dict[str, NDArray[np.float64]]
@@ -64,6 +85,7 @@ class WholeFrame:
     geometry: Geometry
     has_reference: bool
     launcher: Launcher
+    glints: Glints = field(default_factory=Glints)
     _frames: list[dict[str, Any]] = field(default_factory=list)
     _cells: Cells = field(default_factory=dict)
     _last: Image | None = None
@@ -93,6 +115,7 @@ class WholeFrame:
         covered = np.sum([sums[name] for name in CLASSES], axis=0)
         self._put("covered pixels", covered)
         if self.has_reference:
+            self.glints.add(error, surface.covered, reached)
             flicker = pair_flicker(sums)
             for name, values, pixels in (
                 ("frame", sums["squared"], covered),

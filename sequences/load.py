@@ -1,7 +1,6 @@
 """Sequence files: from TOML, and as a JSON schema for editors."""
 
 from collections.abc import Mapping
-from copy import deepcopy
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from pydantic.json_schema import models_json_schema
 from .problems import SequenceError, describe, hint
 from .scene import Material
 from .sequence import Sequence
-from .toml_file import TomlError, read_toml
+from .toml_file import TomlError, change, read_toml
 
 Settings = Mapping[str, type[BaseModel]]
 
@@ -39,8 +38,10 @@ def load(
     """
     path = _find(name_or_path)
     data = _read(path)
-    for key, value in (changes or {}).items():
-        _change(data, key, value, path)
+    try:
+        change(data, changes or {}, path)
+    except TomlError as error:
+        raise SequenceError([str(error)]) from None
     problems: list[str] = []
     sequence = None
     try:
@@ -91,15 +92,6 @@ def _read(path: Path) -> dict[str, Any]:
         return read_toml(path, syntax="text needs quotes, a table is a [name] line", unreadable=known)
     except TomlError as error:
         raise SequenceError([str(error)]) from None
-
-
-def _change(data: dict[str, Any], dotted: str, value: Any, path: Path) -> None:
-    *tables, key = dotted.split(".")
-    for name in tables:
-        data = data.setdefault(name, {})
-        if not isinstance(data, dict):
-            raise SequenceError([f"{path}: {dotted}: {name} is not a table"])
-    data[key] = deepcopy(value)
 
 
 def _technique_problems(given: Any, known: Settings) -> list[str]:

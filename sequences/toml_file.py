@@ -1,6 +1,8 @@
 """Reading a TOML file, with errors that name it and say how to mend it."""
 
 import tomllib
+from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -23,3 +25,15 @@ def read_toml(path: Path, *, syntax: str, unreadable: str) -> dict[str, Any]:
         raise TomlError(f"{path}: not UTF-8 text: {error.reason} at byte {error.start}") from None
     except OSError as error:
         raise TomlError(f"{path}: cannot be read: {error.strerror}{unreadable}") from None
+
+
+def change(data: dict[str, Any], changes: Mapping[str, Any], path: Path) -> None:
+    """Put values in the place of a file's, by dotted key, as {"camera.fov": 40.0}. Raises TomlError naming the file."""
+    for dotted, value in changes.items():
+        table = data
+        *tables, key = dotted.split(".")
+        for name in tables:
+            table = table.setdefault(name, {})
+            if not isinstance(table, dict):
+                raise TomlError(f"{path}: {dotted}: {name} is not a table")
+        table[key] = deepcopy(value)

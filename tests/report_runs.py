@@ -28,7 +28,7 @@ def make_run(folder: Path, *, sequence: str = "road-shift", techniques: tuple[st
         "version": 1,
         "hash": "5e771465",
         "settings": {},
-        "uniform_velocity": None,
+        "uniform_velocity": [0.0, 0.0],
         "resizes": False,
         "sequence": {"name": sequence, "fps": 30, "size": SIZE, "motion": {"kind": "shift"}},
         "techniques": list(techniques),

@@ -1,5 +1,6 @@
 """What the tests ask of the report's viewer in a browser."""
 
+import base64
 from pathlib import Path
 
 import cv2
@@ -25,7 +26,15 @@ def settle(page: Page) -> None:
 
 def canvas(page: Page) -> np.ndarray:
     """What the screen shows, [H, W, 3] sRGB codes."""
-    png = page.locator("#screen").screenshot()
+    return _codes(page.locator("#screen").screenshot())
+
+
+def inset(page: Page) -> np.ndarray:
+    """What is drawn beside the screen, [H, W, 3] sRGB codes."""
+    return _codes(base64.b64decode(page.evaluate("inset.toDataURL()").partition(",")[2]))
+
+
+def _codes(png: bytes) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)[..., ::-1].astype(int)
 
 

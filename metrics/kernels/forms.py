@@ -25,7 +25,7 @@ class Twins(NamedTuple):
     """The two forms as they are written.
 
     plain: the device function. native: the body in C++, in which the plain form's parameters have the same names.
-    width: floats of a texel; 0 where no texel takes part.
+    width: floats of a texel, or px of a tile; 0 where neither takes part.
     """
 
     plain: wp.Function

@@ -127,6 +127,17 @@ class Launcher:
         return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
 
 
+def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
+    """Run one kernel on the CPU in the calling thread, on the host's own arrays."""
+    if ("cpu", kernel) in _LOADED:
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
+        return
+    with _LOADING:
+        start_warp()
+        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
+        _LOADED.add(("cpu", kernel))
+
+
 @contextmanager
 def _quiet_stderr() -> Iterator[None]:
     """Keep the driver's notices, which are written to file descriptor 2 from C, off the screen."""

@@ -122,7 +122,7 @@ class OpenGL:
         program = self.context.program(vertex_shader=vertex, fragment_shader=fragment)
         light, diffuse = self.road.light
         given = {"light": tuple(light), "diffuse": diffuse, "first": 0, "second": 1, "target": 0}
-        for name in given.keys() & set(program):
+        for name in (name for name in given if name in program):
             program[name] = given[name]
         used = [name for name in ("place", "at") if name in program]
         layout = f"{'3f' if 'place' in used else '3x4'} 2f"

@@ -14,7 +14,7 @@ Step = Annotated[Real, Field(ge=-1e4, le=1e4)]
 class Shift(Motion):
     """The whole image moves as one: frame t samples the base image at (i + 1/2 - t vx, j + 1/2 - t vy)."""
 
-    kind: Literal["shift"] = Field("shift", description="the image slides by whole-image sub-pixel steps")
+    kind: Literal["shift"] = Field("shift", description="the picture slides as one, by parts of a pixel a frame")
     velocity: tuple[Step, Step] = Field(
         (23 / 32, 19 / 32), description="motion of the picture's content, px a frame, right and down"
     )

@@ -183,6 +183,29 @@ def bench_speed_error(
     return running.write(NAME, steps(), output / f"{NAME}.md", partial(write_report, output, effort, peers=peers))
 
 
+@bench_command.command(name="metrics")
+def bench_metrics(
+    *, output: Folder = Path("reports"), size: str = "256x144", frames: int = 8, running: Running = _STANDARD
+) -> int:
+    """Write the report on other metrics: which of them tell an error that flickers from one that does not.
+
+    It is OUTPUT/other-metrics.md. Metrics of extras that are not installed are left out, which the report says.
+
+    Parameters
+    ----------
+    output:
+        Folder to write to.
+    size:
+        Size of the road's pictures in pixels, WIDTHxHEIGHT.
+    frames:
+        Frames of the road.
+    """
+    from swimlab.studies.other_metrics.report import NAME, steps, write_report
+
+    pixels = _clip(frames, size, range(4, 33))
+    return running.write(NAME, steps(), output / f"{NAME}.md", partial(write_report, output, pixels, frames))
+
+
 def _clip(frames: int, size: str, allowed: range) -> tuple[int, int]:
     """Width and height of a clip's frames. Raises RunError for a size below 64 px and too few or too many frames."""
     from swimlab.cli.options import parse_size

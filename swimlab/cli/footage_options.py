@@ -63,6 +63,16 @@ class Footage:
         As --part, of the reference.
     mask:
         Picture, or one a frame: measured where its first channel is above 0.5.
+    mask_channels:
+        Channel of the mask, in place of its first.
+    mask_part:
+        As --part, of the mask.
+    depth:
+        Files of depth along the camera's axis, m, by which scores are split into bands.
+    depth_channels:
+        Their channel (default: the only one, or as named Z).
+    depth_part:
+        As --part, of the files of depth.
     crop:
         Part of the picture to measure, x,y,width,height in px.
     motion_convention:
@@ -83,6 +93,10 @@ class Footage:
         The stored value that means no motion, or two as x,y, as 0.5; subtracted before all else.
     motion_mask:
         Picture, or one a frame, of the vectors' size: they are valid where its first channel is above 0.5.
+    motion_mask_channels:
+        Channel of that mask, in place of its first.
+    motion_mask_part:
+        As --part, of that mask.
     motion_jitter:
         Text file of the frames' sub-pixel jitter, frame,x,y or x,y a line, px right and down (of the vectors' size), or
         estimate.
@@ -122,6 +136,11 @@ class Footage:
     reference_alpha: AlphaUse | None = None
     reference_part: str | None = None
     mask: str | None = None
+    mask_channels: str | None = None
+    mask_part: str | None = None
+    depth: str | None = None
+    depth_channels: str | None = None
+    depth_part: str | None = None
     crop: Annotated[str | None, Hyphens] = None
     motion_convention: Preset = "own"
     motion_channels: str | None = None
@@ -132,6 +151,8 @@ class Footage:
     motion_scale: Annotated[str | None, Hyphens] = None
     motion_offset: Annotated[str | None, Hyphens] = None
     motion_mask: str | None = None
+    motion_mask_channels: str | None = None
+    motion_mask_part: str | None = None
     motion_jitter: str | None = None
     motion_jitter_in: Side = "vectors"
     motion_unverified: Annotated[bool, Flag] = False
@@ -161,6 +182,11 @@ class Footage:
     def _request(self, test: str | None, domain: Literal["linear", "display"]) -> Request:
         viewing = self.viewing()
         _check_positive("--fps", self.fps)
+        for of in ("mask", "motion_mask", "depth"):
+            given = [name for name in (f"{of}_channels", f"{of}_part") if getattr(self, name) is not None]
+            if given and getattr(self, of) is None:
+                option, needed = (name.replace("_", "-") for name in (given[0], of))
+                raise FrameError(f"--{option}: is for an input that is not given; give --{needed}, or leave it out")
         if test is None:
             raise FrameError("--test: is missing; name the frames to measure, or a run folder")
         return Request(
@@ -168,6 +194,11 @@ class Footage:
             reference=self.reference,
             motion=self.motion,
             mask=self.mask,
+            mask_channels=self.mask_channels,
+            mask_part=self.mask_part,
+            depth=self.depth,
+            depth_channels=self.depth_channels,
+            depth_part=self.depth_part,
             fps=self.fps,
             frames=self.range_of_frames,
             look=Look(self.channels, self.colorspace, self.alpha, self.part, _crop(self.crop)),
@@ -175,6 +206,8 @@ class Footage:
             motion_part=self.motion_part,
             convention=self._convention(),
             motion_mask=self.motion_mask,
+            motion_mask_channels=self.motion_mask_channels,
+            motion_mask_part=self.motion_mask_part,
             motion_jitter=self.motion_jitter,
             motion_jitter_in=self.motion_jitter_in,
             domain=domain,

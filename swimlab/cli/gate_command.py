@@ -9,6 +9,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from swimlab.cli.sources import warn_of_sources
 from swimlab.gate import outputs as github
 from swimlab.gate.outcome import Outcome, run_gate
 from swimlab.gate.outputs import junit, junit_error, print_table
@@ -84,6 +85,7 @@ def gate_command(gate: Path, /, *runs: Path, reports: Annotated[Reports | None, 
     except (ValueError, OSError) as error:
         reports.write_error(gate, str(error))
         raise
+    warn_of_sources(runs)
     print_table(outcome)
     reports.write(outcome)
     return outcome.exit_code

@@ -9,6 +9,7 @@ from cyclopts import Parameter
 from swimlab.footage.describe import describe
 from swimlab.footage.pattern import holds_frames
 from swimlab.footage.shot import is_shot, load_shot
+from swimlab.footage.sources import changes
 from swimlab.render.plan import load_sequence
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record
@@ -48,6 +49,8 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
         print(f"samples     {record.settings['samples']} a pixel of the reference")
     for name, given in record.inputs.items():
         print(f"input       {name}: {given['name']}, {len(given['files'])} files")
+    for text in changes(record.inputs):
+        print(f"beware      {text}")
     if record.inputs and (Path(what) / "scores.json").is_file():
         print_scores_of(Path(what))
         return 0
@@ -67,7 +70,9 @@ def _as_json(what: str) -> dict[str, Any]:
         return read_scores(Path(what))
     if not Path(what).is_dir():
         return _described(what)
-    return {**vars(Record.read(Path(what))), "measured": (Path(what) / "scores.json").is_file()}
+    record = Record.read(Path(what))
+    changed = {"changes": list(changes(record.inputs))} if record.inputs else {}
+    return {**vars(record), "measured": (Path(what) / "scores.json").is_file(), **changed}
 
 
 def print_frames(name: str) -> int:

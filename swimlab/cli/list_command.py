@@ -19,7 +19,7 @@ from swimlab.runs.record import RunError
 
 Kind = Literal["techniques", "sequences", "brdfs", "metrics", "conventions", "colorspaces", "views"]
 
-IN_JSON = {"sequences": "file", "metrics": "source"}
+IN_JSON = {"sequences": ("file",), "metrics": ("source", "formula")}
 """Columns that the table of a kind has no room for."""
 
 
@@ -42,7 +42,7 @@ def list_command(
         print(json.dumps(rows, indent=1))
         return 0
 
-    shown = [column for column in rows[0] if column != IN_JSON.get(kind)]
+    shown = [column for column in rows[0] if column not in IN_JSON.get(kind, ())]
     table = Table(*shown, box=None, pad_edge=False)
     for row in _folded(rows) if kind == "metrics" else rows:
         table.add_row(*(row[column] for column in shown))
@@ -61,6 +61,7 @@ def _rows(kind: Kind) -> list[dict[str, str]]:
                 "better": metric.better,
                 "what it says": metric.description,
                 "source": metric.source,
+                "formula": metric.formula,
             }
             for name, metric in METRICS.items()
         ]

@@ -26,11 +26,11 @@ COMMANDS = {
     "table": "Query the scores of many runs in SQL.",
     "baseline": "Record the scores of runs as the baseline of a gate.",
     "sweep": "Render and measure a grid of sequences, techniques and settings, here or on a cluster.",
-    "list": "List techniques, sequences, brdfs, metrics or conventions of motion vectors.",
+    "list": "List what there is: techniques, sequences, brdfs, metrics, conventions, colorspaces or views.",
     "info": "Say what a sequence, a run folder or frames of your own hold.",
     "selftest": "Measure clips with known answers and show both.",
     "doctor": "Check that everything swimlab needs works on this machine.",
-    "schema": "Print the JSON schema of sequence files or shot files, for editors.",
+    "schema": "Print the JSON schema of sequence, shot, gate or sweep files, for editors.",
 }
 
 app = App(

@@ -5,7 +5,7 @@ import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,7 +15,9 @@ from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.score_table import print_scores
 from swimlab.cli.terminal import progress
+from swimlab.footage.keys import as_keys, in_words_of
 from swimlab.footage.request import Request
+from swimlab.footage.shot import is_shot, load_shot
 from swimlab.footage.subject import Subject
 from swimlab.runs.columns import COLUMNS
 from swimlab.runs.files import write_json, write_text
@@ -37,14 +39,14 @@ def measure_command(
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
-    """Measure the techniques of a run folder against its reference, or frames of your own (--test).
+    """Measure the techniques of a run folder against its reference, or frames of your own (--test, or a shot file).
 
     The scores of a run folder are written into it, as scores.json and frames.csv.
 
     Parameters
     ----------
     run:
-        Run folder.
+        Run folder, or a shot file.
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     output:
@@ -63,11 +65,17 @@ def measure_command(
     others = tuple(name.strip() for name in peers.split(",")) if peers else ()
     if (run is None) == (footage.test is None and not footage.build):
         raise RunError("measure either a run folder or frames of your own: give RUN or --test, one of them")
-    if run is not None:
-        _refuse_footage(footage)
+    folder = None if output is None or scores_path(output) == output else output
+    if run is not None and is_shot(run):
+        _refuse_footage(footage, "a shot file has keys for it")
+        shot, viewing = load_shot(run), dict[str, Any](footage.viewing())
+        asked = {build: replace(request, **viewing) for build, request in shot.requests(run.parent, domain).items()}
+        scores = measure_shot_with_progress(run, asked, folder, shot.name, peers=others, device=device, quiet=quiet)
+        run = None
+    elif run is not None:
+        _refuse_footage(footage, "a run folder knows it by itself")
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), device=device, quiet=quiet)
     else:
-        folder = None if output is None or scores_path(output) == output else output
         scores = measure_brought_with_progress(
             footage.requests(domain), folder, footage.sequence, peers=others, device=device, quiet=quiet
         )
@@ -111,22 +119,26 @@ def measure_brought_with_progress(
     peers: Sequence[str] = (),
     device: str = "cpu",
     quiet: bool,
+    reword: Callable[[str], str] = str,
 ) -> dict[str, Any]:
-    """Measure builds of the user's own frames, saying on stderr what there is to know beside the scores."""
+    """Measure builds of the user's own frames, saying on stderr what there is to know beside the scores.
+
+    reword: makes of what is said, which names options, what is to be read.
+    """
 
     def say(text: str) -> None:
         if not quiet:
-            print(f"swimlab: {text}", file=sys.stderr)
+            print(f"swimlab: {reword(text)}", file=sys.stderr)
 
     def warn(text: str) -> None:
-        print(f"swimlab: warning: {text}", file=sys.stderr)
+        print(f"swimlab: warning: {reword(text)}", file=sys.stderr)
 
     with ExitStack() as stack:
         shown: list[Callable[[str], None]] = []
 
         def begin(builds: Mapping[str, Subject]) -> None:
             total = sum(len(subject.kept) for subject in builds.values())
-            name = sequence or next(iter(builds.values())).name
+            name = sequence or next(iter(builds.values())).request.name
             shown.append(stack.enter_context(progress(f"measuring {name}", total, quiet=quiet)))
 
         scores = measure_brought(
@@ -144,6 +156,23 @@ def measure_brought_with_progress(
     for family, reason in _absent_families(scores["sequences"][0]).items():
         say(f"no {family}: {reason}")
     return scores
+
+
+def measure_shot_with_progress(
+    path: Path,
+    requests: Mapping[str, Request],
+    run: Path | None,
+    sequence: str,
+    *,
+    peers: Sequence[str] = (),
+    device: str = "cpu",
+    quiet: bool,
+) -> dict[str, Any]:
+    """Measure the builds of a shot file as `measure_brought_with_progress` does, in the words of the file."""
+    with in_words_of(path):
+        return measure_brought_with_progress(
+            requests, run, sequence, peers=peers, device=device, quiet=quiet, reword=as_keys
+        )
 
 
 def _absent_families(entry: dict[str, Any]) -> dict[str, str]:
@@ -173,10 +202,10 @@ def _write(output: Path, scores: dict[str, Any]) -> Path:
     return path
 
 
-def _refuse_footage(footage: Footage) -> None:
-    """Raise RunError where options for your own frames come with a run folder, whose files state all of this."""
+def _refuse_footage(footage: Footage, why: str) -> None:
+    """Raise RunError where options for your own frames come with a run folder or shot file, which state all of this."""
     about_frames = [field for field in fields(footage) if field.name not in VIEWING]
     given = [field.name for field in about_frames if getattr(footage, field.name) != field.default]
     if given:
         option = given[0].replace("range_of_", "").replace("_", "-")
-        raise RunError(f"--{option}: is for frames of your own, with --test; a run folder knows it by itself")
+        raise RunError(f"--{option}: is for frames of your own, with --test; {why}")

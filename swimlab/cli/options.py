@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from swimlab.footage.shot import is_shot
 from swimlab.render.catalogue import techniques
 from swimlab.render.plan import Plan, check_threads, make_plan
 from swimlab.runs.record import RunError
@@ -56,11 +57,14 @@ class Rendering:
         """Raise RunError where an option of rendering comes with a shot file, whose frames are there already."""
         given = [field.name for field in fields(self) if getattr(self, field.name) != field.default]
         for option in (each for each in given if each != "quiet"):
-            raise RunError(f"--{option.replace('32', '').replace('_', '-')}: renders; the frames of {name} are there")
+            said = option.replace("32", "").replace("_", "-")
+            raise RunError(f"--{said}: is for rendering, and the frames of {name} are there already; leave it out")
 
     def plan(self, sequence_name: str, techniques: tuple[str, ...]) -> Plan:
         """What to render of a sequence. Raises SequenceError or RunError naming every mistake."""
 
+        if is_shot(sequence_name):
+            raise RunError(f"{sequence_name}: is a shot file, whose frames are there: swimlab study {sequence_name}")
         check_threads(self.threads)
         return make_plan(
             sequence_name,
@@ -83,7 +87,7 @@ def technique_names(text: str | None) -> tuple[str, ...]:
     if unknown or not names:
         close = get_close_matches(unknown[0], known, n=1) if unknown else []
         guess = f"did you mean {close[0]!r}? " if close else ""
-        raise RunError(f"-t {text}: {guess}there are {', '.join(known)}")
+        raise RunError(f"-t {text}: names no technique; {guess}there are {', '.join(known)}")
     return tuple(name for name in known if name in names)
 
 

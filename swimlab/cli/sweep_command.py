@@ -5,25 +5,25 @@ import re
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from swimlab.cli.engines import Name, check_engine, open_engine, threads_of_task
 from swimlab.cli.sweep_table import print_sweep
 from swimlab.cli.terminal import progress
 from swimlab.render.plan import check_threads
 from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError
 from swimlab.runs.scores import merge_scores
-from swimlab.sweep.chunk import Chunk
-from swimlab.sweep.engine import Engine, dask_engine, local
 from swimlab.sweep.file import load_sweep
 from swimlab.sweep.openjd import job_template
-from swimlab.sweep.run import Outcome, Work, finish, render_chunks
+from swimlab.sweep.run import RenderedWork
+from swimlab.sweep.shot_grid import ShotWork, are_shots
+from swimlab.sweep.work import Outcome, Piece, Work
 
 SHOWN = 5
 """Failures that are printed; all are in files."""
@@ -34,7 +34,7 @@ def sweep_command(
     /,
     *,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
-    engine: Literal["local", "dask"] = "local",
+    engine: Name = "local",
     scheduler: str | None = None,
     threads: int | None = None,
     only: str | None = None,
@@ -43,7 +43,7 @@ def sweep_command(
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
-    """Render and measure a grid of sequences, techniques and settings, here or on a cluster.
+    """Render and measure a grid of sequences, techniques and settings, or of shots, builds and settings.
 
     What OUTPUT holds is kept and what failed is tried again: give an interrupted command once more. Ends with 2 where
     anything failed; the rest is done all the same.
@@ -59,9 +59,9 @@ def sweep_command(
     scheduler:
         Address of a dask scheduler, as tcp://HOST:8786 (default: one of our own, with processes on this machine).
     threads:
-        Threads to render a chunk with (default: every core; with dask on this machine 1, and a process for every core).
+        Threads of a chunk, or of a build (default: every core; with dask here 1, and a process for every core).
     only:
-        Render the K-th of every N chunks, written K/N, and measure nothing: a task of a render farm.
+        Render the K-th of every N chunks, written K/N, or measure so many builds of shots: a task of a render farm.
     export:
         Write a job template and do nothing else: openjd FILE, an Open Job Description as JSON.
     dry_run:
@@ -71,26 +71,27 @@ def sweep_command(
     quiet:
         Show no progress.
     """
-    if scheduler is not None and engine != "dask":
-        raise RunError(f"--scheduler {scheduler}: is for --engine dask; add that")
+    check_engine(engine, scheduler)
     check_threads(threads)
     if only is not None and json_output and not dry_run:
         raise RunError("--json: with --only nothing is measured that could be printed; leave it out")
-    work = Work.of(load_sweep(sweep))
-    out = (output or Path("runs") / work.sweep.name).absolute()
+    given = load_sweep(sweep)
+    out = (output or Path("runs") / given.name).absolute()
+    work: Work = ShotWork.of(given, out) if are_shots(given) else RenderedWork.of(given)
     if export is not None:
         return _export(work, sweep, export[1])
-    chunks = work.distinct()
+    pieces = work.pieces()
     if only is not None:
         first, step = parse_share(only)
-        chunks = chunks[first - 1 :: step]
+        pieces = pieces[first - 1 :: step]
     if dry_run:
-        return _say_what_is_to_do(work, chunks, out, json_output=json_output)
+        return _say_what_is_to_do(work, pieces, out, json_output=json_output)
     show = partial(progress, quiet=quiet)
-    with _engine(engine, scheduler, threads) as perform:
-        failures = render_chunks(chunks, out, perform, threads=_threads(engine, scheduler, threads), show=show)
+    of_task = threads_of_task(engine, scheduler, threads)
+    with open_engine(engine, scheduler, threads) as opened:
+        failures = work.do(pieces, out, opened, threads=of_task, show=show)
         command = shlex.join(["swimlab", *sys.argv[1:]])
-        outcome = Outcome() if only is not None else finish(work, out, perform, command=command, show=show)
+        outcome = Outcome() if only is not None else work.finish(out, opened, command=command, show=show)
     failures |= outcome.failures
     if outcome.scores:
         _print_scores(work, outcome.scores, out, json_output=json_output)
@@ -107,40 +108,24 @@ def parse_share(text: str) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
-@contextmanager
-def _engine(name: str, scheduler: str | None, threads: int | None) -> Iterator[Engine]:
-    if name == "local":
-        yield local
-        return
-
-    with dask_engine(scheduler, threads=threads) as engine:
-        yield engine
-
-
-def _threads(engine: str, scheduler: str | None, threads: int | None) -> int | None:
-    """Threads of a chunk: the processes of a cluster on this machine share its cores."""
-    return threads or 1 if engine == "dask" and scheduler is None else threads
-
-
 def _export(work: Work, sweep: Path, path: Path) -> int:
     write_json(path, job_template(work, sweep, path))
     print(path)
     return 0
 
 
-def _say_what_is_to_do(work: Work, chunks: Sequence[Chunk], out: Path, *, json_output: bool) -> int:
-    every = Counter(chunk.technique for chunk in chunks)
-    done = Counter(chunk.technique for chunk in chunks if chunk.path(out).exists())
-    frames = Counter({name: sum(len(c.frames) for c in chunks if c.technique == name) for name in every})
+def _say_what_is_to_do(work: Work, pieces: Sequence[Piece], out: Path, *, json_output: bool) -> int:
+    every = Counter(piece.technique for piece in pieces)
+    done = Counter(piece.technique for piece in pieces if piece.path(out).exists())
+    frames = Counter({name: sum(len(each.frames) for each in pieces if each.technique == name) for name in every})
     rows = [
         {"technique": name, "chunks": every[name], "done": done[name], "frames": frames[name]} for name in sorted(every)
     ]
     if json_output:
-        runs = [plan.sequence.name for plan in work.plans]
-        print(json.dumps({"output": str(out), "configurations": runs, "work": rows}, indent=1))
+        print(json.dumps({"output": str(out), "configurations": work.names, "work": rows}, indent=1))
         return 0
-    for plan in work.plans:
-        print(out / "runs" / plan.sequence.name)
+    for name in work.names:
+        print(out / "runs" / name)
     print(f"{'technique':16} {'chunks':>8} {'done':>8} {'frames':>8}")
     for row in rows:
         print(f"{row['technique']:16} {row['chunks']:8} {row['done']:8} {row['frames']:8}")

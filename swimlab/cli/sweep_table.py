@@ -14,7 +14,7 @@ from swimlab.runs.columns import COLUMNS, roots
 from swimlab.scoring.resolution import LEGEND, MARK, unresolved
 from swimlab.sweep.grid import short
 from swimlab.sweep.rows import ERRORS, Row, rows_of
-from swimlab.sweep.run import Work
+from swimlab.sweep.work import Work
 
 SHOWN = (*ERRORS, "budget.flicker", "visible.flicker")
 """Scores that have a column, those that there are."""

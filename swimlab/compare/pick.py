@@ -47,13 +47,13 @@ class Pick:
         techniques = sorted({entry.technique for entry in entries})
         for pattern in self.techniques:
             if not matching(techniques, [pattern]):
-                raise RunError(f"-t {pattern}: there are {', '.join(techniques)}")
+                raise RunError(f"-t {pattern}: matches no technique; there are {', '.join(techniques)}")
         if self.metrics == MAIN:
             return
         metrics = sorted({name for entry in entries for name in (*entry.scores, *entry.absent)})
         for pattern in self.metrics:
             if not matching(metrics, [pattern]):
-                raise RunError(f"--metric {pattern}: there are {', '.join(metrics)}")
+                raise RunError(f"--metric {pattern}: matches no score; there are {', '.join(metrics)}")
 
     def has(self, technique: str) -> bool:
         """Whether the technique is looked at."""

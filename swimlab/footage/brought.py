@@ -8,13 +8,17 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from swimlab.footage.request import ESTIMATE, Request
-from swimlab.footage.sources import inputs_of
 from swimlab.footage.subject import Subject
 from swimlab.runs.record import REFERENCE, Record
 
 
-def record_of(sequence: str, builds: Mapping[str, Subject], provenance: Mapping[str, Any]) -> Record:
-    """What run.json holds of builds of a shot. provenance: as the scores have it, with the settings hash."""
+def record_of(
+    sequence: str, builds: Mapping[str, Subject], provenance: Mapping[str, Any], inputs: Mapping[str, Any]
+) -> Record:
+    """What run.json holds of builds of a shot. provenance: as the scores have it, with the settings hash.
+
+    inputs: as `hash_inputs` gives them.
+    """
     first = next(iter(builds.values()))
     height, width = first.test.shape
     kept = sorted(set.intersection(*(set(subject.kept) for subject in builds.values())))
@@ -32,14 +36,14 @@ def record_of(sequence: str, builds: Mapping[str, Subject], provenance: Mapping[
             "viewing": {key: value for key, value in viewing.items() if value is not None},
             "builds": {name: _about(subject) for name, subject in builds.items()},
         },
-        settings={"requests": {name: asdict(_from_anywhere(request)) for name, request in requests.items()}},
+        settings=settings_of(requests),
         hash=provenance["hash"],
         uniform_velocity=velocity,
         resizes=False,
         provenance=about,
         techniques=[*builds, *([REFERENCE] if first.reference is not None else [])],
         frames=[first.test.reader.numbers[index] for index in kept],
-        inputs=inputs_of(requests),
+        inputs=dict(inputs),
     )
 
 
@@ -48,7 +52,12 @@ def requests_of(record: Record) -> dict[str, Request]:
     return TypeAdapter(dict[str, Request]).validate_python(record.settings["requests"])
 
 
-def _from_anywhere(request: Request) -> Request:
+def settings_of(requests: Mapping[str, Request]) -> dict[str, Any]:
+    """What a record's settings hold of requests: all of them as plain values."""
+    return {"requests": {name: asdict(from_anywhere(request)) for name, request in requests.items()}}
+
+
+def from_anywhere(request: Request) -> Request:
     """The request with absolute names."""
     named = {name: getattr(request, name) for name in ("test", "reference", "mask", "depth", "motion_mask")}
     named["motion"] = request.motion if request.velocity is None else None

@@ -21,7 +21,7 @@ class Depth:
         """Raises FrameError where it is not plain which channel is the depth."""
         self.reader = reader
         self._crop: Box | None = request.look.crop
-        parts = find_parts(reader.header, request.depth_part, reader.name, option="depth: part")
+        parts = find_parts(reader.header, request.depth_part, reader.name, option="--depth-part")
         channels = {channel: index for index, part in parts.items() for channel in part.channels}
         wanted = [request.depth_channels] if request.depth_channels else list(_NAMES)
         found = [c for name in wanted for c in channels if c == name or c.endswith(f".{name}")]
@@ -29,7 +29,9 @@ class Depth:
             found = list(channels)
         if not found:
             listed = ", ".join(channels)
-            raise FrameError(f"{reader.name}: which channel is the depth? It has {listed}; name one with channels")
+            raise FrameError(
+                f"{reader.name}: which channel is the depth? It has {listed}; name one with --depth-channels"
+            )
         self.channel, self._part = found[0], channels[found[0]]
 
     def problems(self) -> dict[int, str]:

@@ -23,7 +23,7 @@ def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
     lines = [
         ("frames", f"{len(there)}, {frame_range(there)}{uneven}"),
         ("name", reader.name),
-        ("size", "{}x{}".format(*header.size)),
+        ("size", "{}x{}".format(*header.size) + (f", pixels {header.oblong}" if header.oblong else "")),
     ]
     for part in header.parts:
         kinds = Counter(part.types)

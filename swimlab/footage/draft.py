@@ -27,18 +27,19 @@ def draft_shot(folder: Path) -> str:
     """
     found = [each for place in (folder, *_folders(folder)) for each in _frames(folder, place)]
     roles: dict[str, str] = {}
+    others: dict[str, list[str]] = {}
     builds: dict[str, str] = {}
     for frames in found:
         role = _role(frames)
         if role is None:
             builds[_build(frames, builds)] = frames
-        else:
-            roles.setdefault(role, frames)
+        elif roles.setdefault(role, frames) != frames:
+            others.setdefault(role, []).append(frames)
     if not builds:
         raise FrameError(f"{folder}: holds no frames of a build; name the folder that holds the builds' frames")
     opened = {frames: open_frames(str(folder / frames)) for frames in found}
     name = re.sub(r"[^A-Za-z0-9._-]+", "-", folder.absolute().name).strip("-._") or "shot"
-    return "\n".join([*_head(name, opened[next(iter(builds.values()))]), *_tables(roles, builds, opened), ""])
+    return "\n".join([*_head(name, opened[next(iter(builds.values()))]), *_tables(roles, others, builds, opened), ""])
 
 
 def _head(name: str, first: Reader) -> list[str]:
@@ -51,7 +52,12 @@ def _head(name: str, first: Reader) -> list[str]:
     ]
 
 
-def _tables(roles: Mapping[str, str], builds: Mapping[str, str], opened: Mapping[str, Reader]) -> list[str]:
+def _tables(
+    roles: Mapping[str, str],
+    others: Mapping[str, list[str]],
+    builds: Mapping[str, str],
+    opened: Mapping[str, Reader],
+) -> list[str]:
     said = {
         "reference": "what the builds should look like, frame by frame; without it there is no error, only change",
         "depth": "m along the camera's axis: splits scores into bands of distance",
@@ -65,6 +71,7 @@ def _tables(roles: Mapping[str, str], builds: Mapping[str, str], opened: Mapping
             lines += ["", f"[{role}]  # {said[role]}", _said(roles[role], opened)]
         elif role == "reference":
             lines += ["", f"# [reference]  # {said[role]}", '# frames = "reference/f.####.exr"']
+        lines += [f"# {_said(frames, opened)}; as likely, choose one" for frames in others.get(role, [])]
     lines += ["", "# [viewing]  # for visible.flicker", "# pixels_per_degree = 40.0"]
     for name, frames in builds.items():
         lines += ["", f"[builds.{_quoted(name) if '.' in name else name}]", _said(frames, opened)]

@@ -10,6 +10,8 @@ import numpy as np
 from swimlab.footage.colour_tags import stated_space
 from swimlab.runs.frames import FrameError, Image, oiio_name
 
+_SQUARE = 1e-3
+"""Pixels whose sides differ by less, as a share, are square."""
 LOSSY = frozenset({"dwaa", "dwab", "b44", "b44a", "pxr24", "jpeg", "webp", "lossy video"})
 """Compressions that change the pixels."""
 
@@ -35,7 +37,8 @@ class Header:
     """size: width, height of the picture (EXR: of its display window).
 
     unassociated: the colours are not premultiplied. full_scale: codes from black to white of integers that do not use
-    their whole range (video), else None.
+    their whole range (video), else None. pixel_aspect: a pixel's width over its
+    height.
     """
 
     size: tuple[int, int]
@@ -44,6 +47,13 @@ class Header:
     fps: float | None = None
     unassociated: bool = False
     full_scale: int | None = None
+    pixel_aspect: float = 1.0
+
+    @property
+    def oblong(self) -> str:
+        """What its pixels are where they are not square, in words; else empty."""
+        aspect = self.pixel_aspect
+        return f"{aspect:.4g} times as wide as high" if abs(aspect - 1) > _SQUARE else ""
 
 
 def read_header(path: Path) -> Header:
@@ -72,6 +82,7 @@ def read_header(path: Path) -> Header:
         compression="jpeg" if suffix in (".jpg", ".jpeg") else first.get_string_attribute("compression") or suffix[1:],
         fps=float(rate) if rate and rate > 0 else None,
         unassociated=bool(first.get_int_attribute("oiio:UnassociatedAlpha", 0)),
+        pixel_aspect=first.get_float_attribute("PixelAspectRatio", 1.0) or 1.0,
     )
 
 

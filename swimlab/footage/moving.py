@@ -65,7 +65,7 @@ def _refuse_parts_of_files(request: Request) -> None:
     if motion is None and request.motion_part is not None:
         raise FrameError(f"--motion-part {request.motion_part}: is for files of motion vectors; give --motion")
     if jitter is None and request.motion_jitter_in != "vectors":
-        raise FrameError("--motion-jitter-in: says who has the jitter; give --motion-jitter FILE or estimate too")
+        raise FrameError("--motion-jitter-in: says what has the jitter; give --motion-jitter FILE or estimate too")
     if motion is not None and mask and request.velocity is not None:
         raise FrameError(f"--motion-mask {mask}: is for files of motion vectors, not for one vector; leave it out")
 
@@ -79,8 +79,10 @@ def _open_files(
     match(reader, "motion")
     mask = None
     if request.motion_mask is not None:
-        mask = Mask(open_frames(request.motion_mask, frames=request.frames), None)
-        match(mask.reader, "motion-mask", still=True)
+        masks = open_frames(request.motion_mask, frames=request.frames)
+        match(masks, "motion-mask", still=True)
+        channel, part = request.motion_mask_channels, request.motion_mask_part
+        mask = Mask(masks, None, channel=channel, part=part, prefix="motion-mask-")
     motion = open_fields(
         reader,
         request.convention,

@@ -1,6 +1,6 @@
 """A run folder's pictures, rendered or brought: one way to read both, by technique and frame number."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from threading import Lock
 from typing import Protocol
@@ -8,13 +8,17 @@ from typing import Protocol
 import numpy as np
 
 from swimlab.footage.brought import requests_of
-from swimlab.footage.reader import open_frames
+from swimlab.footage.moving import open_motion
+from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import open_reference
 from swimlab.footage.request import Request
 from swimlab.footage.source import Mask, Source, least
 from swimlab.footage.sources import check_unchanged
-from swimlab.runs.frames import FrameError, Image, frame_path, read_frame
-from swimlab.runs.record import REFERENCE, Record
+from swimlab.runs.frames import FrameError, Image, frame_path, read_frame, read_geometry
+from swimlab.runs.record import GEOMETRY, REFERENCE, Record
+
+Moved = Callable[[int], Image]
+"""Frame -> [H, W, 2] px right and down that the surface seen there moved since a frame before; NaN where unknown."""
 
 
 class Pictures(Protocol):
@@ -29,10 +33,16 @@ class Pictures(Protocol):
         rows: rows first..end-1 alone. Raises FrameError where the picture is gone, or is not what was measured.
         """
 
+    def motion(self, frames: Sequence[int]) -> Moved:
+        """How the surface moved from each of these frames to the next, without jitter that was estimated.
+
+        Of rendered pictures frames follow each other without gaps. Raises FrameError as `read` does.
+        """
+
 
 def open_pictures(folder: Path, record: Record) -> Pictures:
     """The pictures of a run folder; nothing is read yet."""
-    return BroughtPictures(record) if record.inputs else RenderedPictures(folder)
+    return BroughtPictures(record) if record.inputs else RenderedPictures(folder, record)
 
 
 class RenderedPictures:
@@ -41,14 +51,22 @@ class RenderedPictures:
     called = "technique"
     kept = "rendered frames are in the run folder as EXR"
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, record: Record) -> None:
         self._folder = folder
+        self._velocity = record.uniform_velocity
+        self._size = record.sequence.get("size", (0, 0))
 
     def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
         path = frame_path(self._folder, technique, frame)
         if not path.is_file():
             raise FrameError(f"{path} is gone")
         return read_frame(path, rows=rows)
+
+    def motion(self, frames: Sequence[int]) -> Moved:
+        if self._velocity is not None:
+            same = np.broadcast_to(np.array(self._velocity, np.float32), (*self._size[::-1], 2))
+            return lambda frame: same
+        return lambda frame: read_geometry(frame_path(self._folder, GEOMETRY, frame)).motion
 
 
 class BroughtPictures:
@@ -74,13 +92,31 @@ class BroughtPictures:
         rgba = np.dstack([source.picture(index), coverage]).astype(np.float32)
         return rgba if rows is None else rgba[slice(*rows)]
 
+    def motion(self, frames: Sequence[int]) -> Moved:
+        with self._lock:
+            test = self._source(next(iter(self._requests)))
+            reference = self._source(REFERENCE) if REFERENCE in self._inputs else None
+        moving = ("motion", "motion mask", "motion jitter")
+        check_unchanged({what: given for what, given in self._inputs.items() if what in moving})
+        indices = [self._numbers.index(frame) for frame in frames]
+        request = next(iter(self._requests.values()))
+        found = open_motion(request, test, reference, indices, match=_as_measured, note=_unheard, say=_unheard).motion
+
+        def moved(frame: int) -> Image:
+            place = frames.index(frame)
+            pair = indices[place], indices[place - 1]
+            known = found.known(*pair)
+            field = found.moved(*pair)
+            return field if known is None else np.where(known[..., None], field, np.float32(np.nan))
+
+        return moved
+
     def _source(self, technique: str) -> Source:
         """The frames of a build or of the reference; each has its own reader."""
         if technique not in self._opened:
             if technique not in self._inputs:
                 raise FrameError(f"there is no {technique}")
-            for what in {technique, "mask"} & self._inputs.keys():
-                check_unchanged(what, self._inputs[what])
+            check_unchanged({what: given for what, given in self._inputs.items() if what in (technique, "mask")})
             name = next(iter(self._requests)) if technique == REFERENCE else technique
             request = self._requests[name]
             source = Source(open_frames(request.test, frames=request.frames), request.look)
@@ -94,9 +130,19 @@ class BroughtPictures:
         return self._opened[technique]
 
 
+def _as_measured(reader: Reader, what: str, *, still: bool = False) -> None:
+    """Inputs that are as they were when they were measured fit together."""
+
+
+def _unheard(text: str) -> None:
+    """What there is to say was said when the frames were measured."""
+
+
 def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None:
     """Where mask and alpha let the pictures of a source be measured; None: everywhere."""
     givers = [source.coverage] if source.has_coverage else []
     if request.mask is not None:
-        givers.append(Mask(open_frames(request.mask, frames=request.frames), request.look.crop).coverage)
+        reader = open_frames(request.mask, frames=request.frames)
+        mask = Mask(reader, request.look.crop, channel=request.mask_channels, part=request.mask_part)
+        givers.append(mask.coverage)
     return least(givers)

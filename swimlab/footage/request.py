@@ -2,10 +2,12 @@
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from metrics.display import STANDARD, Display, Domain
 from swimlab.footage.convention import PRESETS, Convention
 from swimlab.footage.jitter import Side
+from swimlab.footage.pattern import parse_pattern
 from swimlab.footage.source import Look
 from swimlab.runs.frames import FrameError
 
@@ -20,7 +22,8 @@ class Request:
     """What to measure, and how; names are patterns, folders or files.
 
     motion: "dx,dy" px a frame right and down, a name, "estimate", or None where nothing moves. fps: None: the file's
-    own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid.
+    own, else 60. mask: where to measure, one picture or one a frame; motion_mask: where the motion vectors are valid;
+    both with their channel (None: the first) and part.
     motion_jitter: text file of the frames' jitter, px, of the vectors where there are any, or "estimate"; it is in the
     vectors alone or in the frames alone, as motion_jitter_in says. look: how the test is read, and the reference where
     neither reference_look nor its files say otherwise; its crop is of all. motion_part: of the files of vectors.
@@ -33,6 +36,8 @@ class Request:
     reference: str | None = None
     motion: str | None = None
     mask: str | None = None
+    mask_channels: str | None = None
+    mask_part: str | None = None
     fps: float | None = None
     frames: str | None = None
     look: Look = field(default_factory=Look)
@@ -43,6 +48,8 @@ class Request:
     depth_part: str | None = None
     convention: Convention = PRESETS["own"]
     motion_mask: str | None = None
+    motion_mask_channels: str | None = None
+    motion_mask_part: str | None = None
     motion_jitter: str | None = None
     motion_jitter_in: Side = "vectors"
     domain: Domain = "linear"
@@ -51,6 +58,14 @@ class Request:
     unverified: bool = False
     pixels_per_degree: float | None = None
     luminance: float | None = None
+
+    @property
+    def name(self) -> str:
+        """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
+        path = Path(self.test)
+        pattern = parse_pattern(path)
+        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
+        return bare or path.absolute().parent.name or "frames"
 
     @property
     def velocity(self) -> tuple[float, float] | None:

@@ -3,16 +3,18 @@
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
 from metrics.display import Domain
+from sequences import Sequence
 from sequences.display import Display
 from sequences.problems import SequenceError, describe
 from sequences.table import Real, Table, Whole
-from sequences.toml_file import TomlError, read_toml
+from sequences.toml_file import TomlError, change, read_toml
 from sequences.viewing import Viewing
 from swimlab.footage.convention import PRESETS, Convention, Direction, Preset, Unit, Vertical
 from swimlab.footage.jitter import Side
@@ -73,6 +75,8 @@ class Vectors(Table):
     scale: Pair | None = Field(None, description="factors of x and y")
     offset: Pair | None = Field(None, description="the stored values that mean no motion")
     mask: str | None = Field(None, description="picture, or one a frame: vectors are valid where it is above 0.5")
+    mask_channels: str | None = Field(None, description="the channel of the mask; without it: the first")
+    mask_part: str | None = Field(None, description="part of the mask's files, by name, view or index")
     jitter: str | None = Field(None, description="text file of the frames' jitter, px right and down, or estimate")
     jitter_in: Side = Field("vectors", description="what has the jitter alone: vectors or frames")
     unverified: bool = Field(False, strict=True, description="measure though the motion does not fit the frames")
@@ -93,6 +97,9 @@ class Vectors(Table):
         stray = [name for name in of_files if name in self.model_fields_set]
         if stray and self.frames is None:
             raise ValueError(f"{', '.join(stray)}: is for files of vectors; give frames, or remove it")
+        stray = [name for name in ("mask_channels", "mask_part") if name in self.model_fields_set]
+        if stray and self.mask is None:
+            raise ValueError(f"{', '.join(stray)}: is for a mask of vectors; give mask too, or remove it")
         if self.jitter is None and "jitter_in" in self.model_fields_set:
             raise ValueError("jitter_in: says what has the jitter; give jitter too, or remove it")
         return self
@@ -118,6 +125,8 @@ class Mask(Table):
     """Where to measure: one picture, or one a frame."""
 
     frames: Frames
+    channels: str | None = Field(None, description="the channel of the mask; without it: the first")
+    part: str | None = Field(None, description="part of the files, by name, view or index")
 
 
 class Shot(Table):
@@ -171,6 +180,8 @@ class Shot(Table):
                 "convention": motion.meaning(),
                 "motion_part": motion.part,
                 "motion_mask": place(motion.mask),
+                "motion_mask_channels": motion.mask_channels,
+                "motion_mask_part": motion.mask_part,
                 "motion_jitter": jitter,
                 "motion_jitter_in": motion.jitter_in,
                 "unverified": motion.unverified,
@@ -180,6 +191,8 @@ class Shot(Table):
                 test=str(folder / build.frames),
                 reference=None if reference is None else place(reference.frames),
                 mask=None if self.mask is None else place(self.mask.frames),
+                mask_channels=None if self.mask is None else self.mask.channels,
+                mask_part=None if self.mask is None else self.mask.part,
                 fps=self.fps,
                 frames=self.frames,
                 look=_look(build, crop),
@@ -199,21 +212,37 @@ class Shot(Table):
         }
 
 
+_TELLING = {"builds", "reference"}
+"""Keys that only a shot file has."""
+
+
 def is_shot(name: str | Path) -> bool:
-    """Whether a name is that of a shot file: a .toml file with builds or a reference, which no sequence file has."""
+    """Whether a name is that of a shot file: a .toml file with builds or a reference, which no sequence file has.
+
+    A slip of the pen, as [build.a], makes it no sequence, unless there is a key that only those have.
+    """
     path = Path(name)
     if path.suffix != ".toml" or not path.is_file():
         return False
     try:
-        return not {"builds", "reference"}.isdisjoint(read_toml(path, syntax="", unreadable=""))
+        keys = set(read_toml(path, syntax="", unreadable=""))
     except TomlError:
         return False
+    if keys & _TELLING:
+        return True
+    of_sequences = set(Sequence.model_fields)
+    unknown = [key for key in keys - of_sequences if get_close_matches(key, _TELLING, n=1, cutoff=0.8)]
+    return bool(unknown) and not keys & (of_sequences - set(Shot.model_fields))
 
 
-def load_shot(path: Path) -> Shot:
-    """The shot of a file; frames are not looked for. Raises SequenceError with every problem at once."""
+def load_shot(path: Path, *, changes: Mapping[str, Any] | None = None) -> Shot:
+    """The shot of a file; frames are not looked for. Raises SequenceError with every problem at once.
+
+    changes: values that take the place of the file's, by dotted key, as {"builds.main.colorspace": "srgb"}.
+    """
     try:
         data = read_toml(path, syntax="text needs quotes, a table is a [name] line", unreadable="")
+        change(data, changes or {}, path)
     except TomlError as error:
         raise SequenceError([str(error)]) from None
     try:

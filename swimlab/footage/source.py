@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics.display import Display, Domain
-from swimlab.footage.channels import find_alpha, find_colour
+from swimlab.footage.channels import find_alpha, find_colour, find_parts
 from swimlab.footage.colour import AS_STORED, AUTO, SRGB, decode, quantisation_floor, resolve
 from swimlab.footage.reader import LEAVE_OUT, Reader
 from swimlab.runs.frames import FrameError, Image
@@ -180,16 +180,39 @@ class Source:
 
 
 class Mask:
-    """Where to measure: one picture for all frames or one a frame, 1 where its first channel is above one half."""
+    """Where to measure: one picture for all frames or one a frame, 1 where a channel of it is above one half."""
 
-    def __init__(self, reader: Reader, crop: Box | None) -> None:
+    def __init__(
+        self,
+        reader: Reader,
+        crop: Box | None,
+        *,
+        channel: str | None = None,
+        part: str | None = None,
+        prefix: str = "mask-",
+    ) -> None:
+        """channel: None: the first one. part: name, view or index; None: the first that has the channel.
+
+        prefix: of the options. Raises FrameError for a part or channel that is not there.
+        """
         self.reader = reader
         self._crop = crop
+        parts = find_parts(reader.header, part, reader.name, option=f"--{prefix}part")
+        having = [index for index, each in parts.items() if channel in (None, *each.channels)]
+        if not having:
+            listed = "; ".join(", ".join(each.channels) for each in parts.values())
+            raise FrameError(f"--{prefix}channels {channel}: {reader.name} has {listed}; name one of them")
+        self._part = having[0]
+        self._channels = (channel or parts[self._part].channels[0],)
+
+    def problems(self) -> dict[int, str]:
+        """What is wrong with files, by index, as far as headers tell."""
+        return self.reader.problems(self._part, self._channels)
 
     def coverage(self, index: int) -> Image:
         """[H, W], 0 or 1. Raises FrameError."""
         index = index if len(self.reader.numbers) > 1 else 0
-        pixels = self.reader.read(index, 0, self.reader.header.parts[0].channels[:1])[..., 0]
+        pixels = self.reader.read(index, self._part, self._channels)[..., 0]
         check_usable(pixels, self.reader.label(index))
         inside = (pixels > 0.5).astype(np.float32)
         return np.asarray(self._crop.cut(inside) if self._crop else inside)

@@ -16,7 +16,7 @@ from swimlab.footage.header import LOSSY
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
-from swimlab.footage.pattern import frame_range, parse_pattern
+from swimlab.footage.pattern import frame_range
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import check_alpha, curve_between, open_reference, passed_over
 from swimlab.footage.request import ESTIMATE, Request
@@ -50,6 +50,8 @@ class Subject:
         Raises FrameError where inputs do not fit together, a frame is bad or the motion does not fit the frames.
         """
         self.notes: list[str] = []
+        self.warnings: list[str] = []
+        """Those of the notes that may make the scores wrong."""
         self.request = request
         self._say = say
         self._warn = warn
@@ -67,13 +69,14 @@ class Subject:
         check_alpha(request, self.test, self.reference)
         self.mask = None
         if request.mask is not None:
-            self.mask = Mask(open_frames(request.mask, frames=request.frames), look.crop)
-            self._match(self.mask.reader, "mask", still=True)
+            reader = open_frames(request.mask, frames=request.frames)
+            self._match(reader, "mask", still=True)
+            self.mask = Mask(reader, look.crop, channel=request.mask_channels, part=request.mask_part)
         self.depth = None
         if request.depth is not None:
             self.depth = Depth(open_frames(request.depth, frames=request.frames), request)
             self._match(self.depth.reader, "depth")
-        self._warn_of_loss()
+        self._tell_of_files()
         for source in filter(None, (self.test, self.reference)):
             source.measured = self._stated_coverage()
         self.kept = self._good_frames()
@@ -126,14 +129,6 @@ class Subject:
         """A few of the frames, spread over the clip."""
         chosen = np.linspace(0, len(self.kept) - 1, _SAMPLED).round().astype(int)
         return sorted({self.kept[index] for index in chosen})
-
-    @property
-    def name(self) -> str:
-        """What to call the sequence: the pattern's name without the place of its number, else the folder's."""
-        path = Path(self.request.test)
-        pattern = parse_pattern(path)
-        bare = path.stem if pattern is None else pattern.before.rstrip("-._") + Path(f"_{pattern.after}").stem[1:]
-        return bare or path.absolute().parent.name or "frames"
 
     @property
     def fps(self) -> float:
@@ -190,8 +185,7 @@ class Subject:
             index, coverage = self.kept[len(self.kept) // 2], self._coverage()
             text = curve_between(self.test, self.reference, index, None if coverage is None else coverage(index))
             if text:
-                self.notes.append(text)
-                self._warn(text)
+                self._beware(text)
 
     def _known(self, index: int) -> Image:
         """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""
@@ -229,8 +223,7 @@ class Subject:
         if found.note:
             self.note(found.note)
         for text in filter(None, (found.error, found.doubt)):
-            self.notes.append(f"motion not verified: {text}")
-            self._warn(self.notes[-1])
+            self._beware(f"motion not verified: {text}")
         if clean and found.verdict in ("partly", "wrong"):
             self.note(
                 "residual.flicker.reference is what the motion makes of the reference, whose flicker is its fault"
@@ -244,7 +237,7 @@ class Subject:
             problems = (source.problems() if source is not None else {}) | problems
         problems |= self.depth.problems() if self.depth is not None else {}
         if self.mask is not None and len(self.mask.reader.numbers) > 1:
-            problems |= self.mask.reader.problems(0, self.mask.reader.header.parts[0].channels[:1])
+            problems |= self.mask.problems()
         there = self._times()
         if not self.request.skip_bad_frames:
             if problems:
@@ -287,21 +280,39 @@ class Subject:
         test = self.test.reader
         if still and len(reader.numbers) == 1:
             return
-        if len(reader.numbers) != len(test.numbers):
-            raise FrameError(
-                f"--{what} {reader.name}: has {len(reader.numbers)} frames ({frame_range(reader.numbers)}), the test "
-                f"{len(test.numbers)} ({frame_range(test.numbers)}); they must match"
-            )
+        count, times = len(reader.numbers), len(test.numbers)
+        if count != times:
+            has = f"--{what} {reader.name}: has {count} frames ({frame_range(reader.numbers)}), the test "
+            if test.gaps and count == times - len(test.gaps):
+                raise FrameError(
+                    f"{has}as many, at uneven times, which number them to {test.numbers[-1]}: give one a time, those "
+                    "without a frame too, or write the test at a constant rate"
+                )
+            raise FrameError(f"{has}{times} ({frame_range(test.numbers)}); they must match")
         if reader.numbers != test.numbers:
             self.note(
                 f"{what} frames {frame_range(reader.numbers)} go with test frames {frame_range(test.numbers)}, in order"
             )
 
-    def _warn_of_loss(self) -> None:
-        for source in (self.test, self.reference):
-            if source is not None and source.reader.header.compression in LOSSY:
-                compression = source.reader.header.compression
-                self.note(f"{source.reader.name}: {compression} compression is lossy and itself makes flicker")
+    def _tell_of_files(self) -> None:
+        """Say what files do to their frames. Raises FrameError where that leaves a request without meaning."""
+        for source in filter(None, (self.test, self.reference)):
+            header, name = source.reader.header, source.reader.name
+            if header.compression in LOSSY:
+                self.note(f"{name}: {header.compression} compression is lossy and itself makes flicker")
+            if header.oblong and self.request.pixels_per_degree is not None:
+                raise FrameError(
+                    f"--pixels-per-degree: {name} has pixels {header.oblong}, so that no one number holds for both "
+                    "directions; write its frames with square pixels"
+                )
+            if header.oblong:
+                self.note(f"{name}: its pixels are {header.oblong}; lengths and frequencies are in its own px")
+
+    def _beware(self, text: str) -> None:
+        """Keep what may make the scores wrong, and warn of it."""
+        self.notes.append(text)
+        self.warnings.append(text)
+        self._warn(text)
 
     def note(self, text: str) -> None:
         """Keep what a reader should know for the scores, and say it."""

@@ -143,7 +143,8 @@ def _judge_rest(
         if wrong:
             return _refuse(found, region_said(region), said)
         return _doubt(replace(found, verdict="partly"), region_said(region), said)
-    known = f"residuals: {weighing.worth_naming()}" + (f"; {factor.said(scale)}" if scale else "")
+    parts = (f"residuals: {weighing.worth_naming()}", factor.said(scale) if scale else "", weighing.undecided())
+    known = "; ".join(filter(None, parts))
     if found.repeated:
         return _doubt(replace(found, verdict="partly"), f"{said}; {known}", "")
     if not factor.known(scale):

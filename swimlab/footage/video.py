@@ -9,11 +9,13 @@ import numpy as np
 from swimlab.footage.colour_tags import space_of_codes
 from swimlab.footage.header import Header, Part
 from swimlab.footage.pattern import frame_range, parse_range
+from swimlab.footage.upright import Upright, upright
 from swimlab.footage.video_times import even_times
 from swimlab.runs.frames import FrameError, Image
 
 _LOSSLESS = frozenset({"ffv1", "huffyuv", "ffvhuff", "utvideo", "rawvideo", "png", "qtrle", "v210"})
 _CHANNELS = ("R", "G", "B")
+_AS_IT_IS = np.eye(3, dtype="=i4").tobytes()
 
 
 class VideoReader:
@@ -32,7 +34,7 @@ class VideoReader:
             wide = any(part.bits > 8 for part in context.format.components)
             yuv = str(context.format.name).startswith("yuv")
             limited = yuv and getattr(context, "color_range", 1) != 2
-            stamps, self._turns = self._survey(container, stream)
+            stamps, self._upright = self._survey(container, stream)
             try:
                 times = even_times(stamps, stream.guessed_rate, stream.average_rate)
             except ValueError as error:
@@ -42,12 +44,14 @@ class VideoReader:
             space = space_of_codes(int(context.color_primaries), int(context.color_trc))
             size = (context.width, context.height)
             rate = stream.average_rate if times is None else times.rate
+            aspect = float(stream.sample_aspect_ratio or 1)
             self.header = Header(
-                size=size[::-1] if self._turns % 2 else size,
+                size=size[::-1] if self._upright.across else size,
                 parts=(Part("", _CHANNELS, ("uint16" if wide else "uint8",) * 3, space),),
                 compression="lossless video" if context.name in _LOSSLESS else "lossy video",
                 fps=float(rate) if rate else None,
                 full_scale=(219 << (max(part.bits for part in context.format.components) - 8)) if limited else None,
+                pixel_aspect=1 / aspect if self._upright.across else aspect,
             )
         self._format = "rgb48le" if wide else "rgb24"
         self._white = (
@@ -64,21 +68,26 @@ class VideoReader:
         self._next = 0
         self._decoded: Iterator[Any] = iter(())
 
-    def _survey(self, container: Any, stream: Any) -> tuple[list[Fraction | None], int]:
-        """The time stamps of all frames, s, and by how many quarter turns to the left they are to be shown."""
+    def _survey(self, container: Any, stream: Any) -> tuple[list[Fraction | None], Upright]:
+        """The time stamps of all frames, s, and how they are to be turned and mirrored."""
         stamps: list[Fraction | None] = []
-        turn = 0
+        shown: dict[bytes, int] = {}
         for frame in container.decode(stream):
             if frame.interlaced_frame:
                 raise FrameError(
                     f"{self.name}, frame {len(stamps)}: is interlaced: two moments in one picture; deinterlace it, as "
                     "ffmpeg -vf bwdif does"
                 )
-            turn = getattr(frame, "rotation", 0)
+            shown.setdefault(_display_matrix(frame), len(stamps))
             stamps.append(None if frame.pts is None or frame.time_base is None else frame.pts * frame.time_base)
-        if turn % 90:
-            raise FrameError(f"{self.name}: is to be shown turned by {turn} degrees; write it upright")
-        return stamps, turn // 90 % 4
+        if len(shown) > 1:
+            raise FrameError(
+                f"{self.name}, frame {max(shown.values())}: is to be turned otherwise than those before it"
+            )
+        try:
+            return stamps, upright(np.frombuffer(next(iter(shown), b"") or _AS_IT_IS, "=i4").tolist())
+        except ValueError as error:
+            raise FrameError(f"{self.name}: {error}; write it upright") from error
 
     def label(self, index: int) -> str:
         return f"{self.name}, frame {self.numbers[index]}"
@@ -101,7 +110,7 @@ class VideoReader:
         for frame in self._decoded:
             self._next += 1
             if self._next > number:
-                pixels = np.rot90(frame.to_ndarray(format=self._format), self._turns)
+                pixels = self._upright.of(frame.to_ndarray(format=self._format))
                 chosen = [_CHANNELS.index(channel) for channel in channels]
                 return np.asarray(pixels[..., chosen], np.float32) / np.float32(self._white)
         raise FrameError(f"{self.label(index)}: cannot be decoded")
@@ -123,6 +132,11 @@ class VideoReader:
             container.close()
             raise FrameError(f"{self.name}: has no video stream")
         return container
+
+
+def _display_matrix(frame: Any) -> bytes:
+    """Nine integers of a frame's display matrix; nothing where it has none."""
+    return next((bytes(data) for data in frame.side_data if data.type.name == "DISPLAYMATRIX"), b"")
 
 
 def _white(pixel_format: Any, *, limited: bool) -> int:

@@ -18,7 +18,7 @@ IDENTITY = "no motion"
 _POINTS = 20_000
 _FLAT = 1e-6
 _HIDDEN = 0.1
-"""Share of the points that may have come into view, or be at an edge of the motion."""
+"""Share of the points that may have come into view, or be at an edge of the motion: what differs most is left out."""
 _SEEN = 0.05
 """Share of the points that must stay in the frame under the given motion."""
 _SHARED = 0.5
@@ -95,7 +95,7 @@ def _compare(readings: Mapping[str, Reading], pair: Pair) -> dict[str, NDArray[n
         both = np.isfinite(own) & np.isfinite(given)
         if both.sum() < max(2, _SEEN * len(both)):
             given, both = unrelated, np.isfinite(own)
-        squares = np.array([_mean_square(each[both]) for each in (own, given, unrelated)])
+        squares = np.array([mean_square(each[both]) for each in (own, given, unrelated)])
         if squares[2] > _FLAT**2:
             found[name] = squares
     return found
@@ -109,10 +109,11 @@ def _landed(readings: Mapping[str, Reading], points: Points, pair: Pair) -> dict
     return places
 
 
-def _mean_square(differences: NDArray[np.float64]) -> float:
+def mean_square(differences: NDArray[np.float64]) -> float:
     """Mean square of all but the largest differences."""
-    kept = max(1, int((1 - _HIDDEN) * differences.size))
-    return float(np.partition(differences**2, kept - 1)[:kept].mean())
+    size = np.abs(differences)
+    kept = size[size <= np.quantile(size, 1 - _HIDDEN)] if size.size else size
+    return float((kept**2).mean()) if kept.size else 0.0
 
 
 def grid(shape: tuple[int, ...], count: int) -> Points:

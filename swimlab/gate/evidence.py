@@ -1,15 +1,16 @@
 """Where a failing score is worst: the frame, the region, and a picture of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from swimlab.footage.pictures import open_pictures
+from swimlab.report.clips import Region
 from swimlab.report.contact import GAP, PAPER, write
-from swimlab.report.display import COVERED, ERROR_RANGE, Picture, srgb
+from swimlab.report.display import COVERED, ERROR_RANGE, Picture, difference_codes, srgb
+from swimlab.report.worst import worst_frames, worst_region
 from swimlab.runs.entries import Entry
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import FrameError, Image, png
@@ -27,7 +28,7 @@ class Evidence:
     """
 
     frame: int
-    region: tuple[int, int, int, int] | None = None
+    region: Region | None = None
     crop: Path | None = None
     lacking: str = ""
 
@@ -58,7 +59,7 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
         test, reference = (pictures.read(name, frame) for name in (entry.technique, REFERENCE))
     except FrameError as error:
         return Evidence(frame, lacking=str(error))
-    region = worst_region(test, reference)
+    region = worst_region(test[..., :3] - reference[..., :3], reference[..., 3] >= COVERED)
     crop = entry.folder / "gate" / f"{entry.sequence}-{entry.technique}-{metric}.png"
     write_crop(crop, {entry.technique: test, REFERENCE: reference}, region)
     return Evidence(frame, region, crop)
@@ -69,15 +70,8 @@ def worst_frame(entry: Entry, metric: str) -> int | None:
     if metric.startswith("scale."):
         return _worst_scale(entry)
     changes = bool(CHANGES & set(metric.split(".")))
-    return _largest(entry.frames, *(("change", "mse") if changes else ("mse", "change")))
-
-
-def _largest(rows: Sequence[dict[str, Any]], *keys: str) -> int | None:
-    for key in keys:
-        known = [row for row in rows if isinstance(row.get(key), int | float)]
-        if known:
-            return int(max(known, key=lambda row: row[key])["frame"])
-    return None
+    found = worst_frames(entry.frames, *(("change", "mse") if changes else ("mse", "change")))
+    return found[0][0] if found else None
 
 
 def _worst_scale(entry: Entry) -> int | None:
@@ -90,24 +84,8 @@ def _worst_scale(entry: Entry) -> int | None:
     return frames[max(range(len(errors)), key=lambda index: errors[index])]
 
 
-Region = tuple[int, int, int, int]
-
-SIDE = 64
-"""Width and height of the region, px, where the frame is as large."""
 ENLARGED = 4
 HEADER = 24
-
-
-def worst_region(test: Image, exact: Image) -> Region:
-    """The square (x, y, width, height) of the largest squared error, over wholly covered pixels."""
-    squared = np.square(test[..., :3].astype(np.float64) - exact[..., :3]).sum(axis=2)
-    squared[exact[..., 3] < COVERED] = 0.0
-    height, width = squared.shape
-    w, h = min(SIDE, width), min(SIDE, height)
-    summed = np.pad(squared, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
-    boxes = summed[h:, w:] - summed[:-h, w:] - summed[h:, :-w] + summed[:-h, :-w]
-    y, x = np.unravel_index(int(np.argmax(boxes)), boxes.shape)
-    return int(x), int(y), w, h
 
 
 def write_crop(path: Path, pictures: Mapping[str, Image], region: Region) -> None:
@@ -119,7 +97,7 @@ def write_crop(path: Path, pictures: Mapping[str, Image], region: Region) -> Non
     x, y, width, height = region
     cuts = {name: each[y : y + height, x : x + width, :3] for name, each in pictures.items()}
     cut, exact = cuts.values()
-    error = np.rint(np.clip((cut - exact) / ERROR_RANGE, -1, 1) * 127 + 128).astype(np.uint8)
+    error = difference_codes(cut - exact)
     panels = {**{name: srgb(each) for name, each in cuts.items()}, f"error +-{ERROR_RANGE:g}": error}
     with replacing(path) as temporary:
         temporary.write_bytes(png(_sheet(panels)))

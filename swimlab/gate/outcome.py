@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from metrics.display import Domain
+from swimlab.footage.keys import in_words_of
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
@@ -143,11 +144,12 @@ def render_and_measure(
     if is_shot(sequence):
         shot = load_shot(Path(sequence))
         requests = shot.requests(Path(sequence).parent, domain, builds=only or None)
-        measure_brought(requests, run, sequence=shot.name, command=COMMAND)
+        with in_words_of(Path(sequence)):
+            measure_brought(requests, run, sequence=shot.name, command=COMMAND)
         return
     unknown = [name for name in only or () if name not in techniques()]
     if unknown:
-        raise GateError(f"technique {unknown[0]!r}: there are {', '.join(techniques())}")
+        raise GateError(f"technique {unknown[0]!r}: is not known; there are {', '.join(techniques())}")
     names = None if only is None else [*only, REFERENCE]
     plan = make_plan(sequence, names, size=size, frames=frames, samples=samples)
     render_run(plan, run, threads=threads, command=COMMAND)

@@ -5,7 +5,16 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    WithJsonSchema,
+    model_validator,
+)
 
 from sequences.problems import hint
 from sequences.table import Real, Table
@@ -73,6 +82,10 @@ def _not_empty(pattern: str) -> str:
 
 Pattern = Annotated[str, AfterValidator(_not_empty)]
 
+_PARTS: list[dict[str, Any]] = [{"type": "number", "minimum": 0}, {"type": "string", "pattern": "%\\s*$"}]
+_INCREASE = {"anyOf": [*_PARTS, {"type": "array", "items": {"anyOf": _PARTS}, "minItems": 1, "maxItems": 2}]}
+"""As an editor is told of it."""
+
 
 class Baselines(Table):
     """Where the baseline is, and what a clip or score that it lacks means."""
@@ -90,7 +103,7 @@ class Rule(Table):
     level: Level = Field("error", description="off, warn or error: what a score beyond its limit is")
     max: Real | None = Field(None, description="ceiling: the largest value that passes")
     min: Real | None = Field(None, description="floor: the smallest value that passes")
-    max_increase: Annotated[Increase, BeforeValidator(_increase)] | None = Field(
+    max_increase: Annotated[Increase, BeforeValidator(_increase), WithJsonSchema(_INCREASE)] | None = Field(
         None, description='how much worse than the baseline: "5%", an amount, or both (the larger counts)'
     )
     noise_sigma: Annotated[Real, Field(ge=0, le=100)] | None = Field(
@@ -156,6 +169,11 @@ def load_gate(path: Path) -> Gate:
                 f"{path}: rule {needy[0]}: max_increase compares with a baseline; add a [baseline] table with a file"
             )
     return gate
+
+
+def gate_schema() -> dict[str, Any]:
+    """JSON schema (2020-12) of a gate file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Gate.model_json_schema()}
 
 
 def _problem(details: Any) -> str:

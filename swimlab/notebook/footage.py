@@ -56,11 +56,18 @@ def measure_frames(
     motion: Name | tuple[float, float] | None = None,
     convention: str | Convention = "own",
     motion_mask: Name | None = None,
+    motion_mask_channels: str | None = None,
+    motion_mask_part: str | None = None,
     motion_jitter: Name | None = None,
     motion_jitter_in: Side = "vectors",
     fps: float | None = None,
     frames: str | None = None,
     mask: Name | None = None,
+    mask_channels: str | None = None,
+    mask_part: str | None = None,
+    depth: Name | None = None,
+    depth_channels: str | None = None,
+    depth_part: str | None = None,
     channels: str | None = None,
     colour_space: str | None = None,
     alpha: AlphaUse | None = None,
@@ -83,7 +90,8 @@ def measure_frames(
     `swimlab list conventions`, or a Convention. motion_mask: where vectors are valid, above 0.5. motion_jitter: text
     file of the frames' jitter, which the vectors alone or the frames alone have. fps: None: the file's own, else 60.
     frames: range as "1-48". channels, colour_space, alpha, part: how the test is read; reference_look: the same of the
-    reference, where it differs. crop: x, y, width, height, px. unverified: measure though the motion does not fit the
+    reference, where it differs. depth: files of depth, m, which split scores into bands. Masks and depth have their own
+    channel and part. crop: x, y, width, height, px. unverified: measure though the motion does not fit the
     frames.
     The notes say where the motion cannot be verified. Raises FrameError naming the file, frame or setting that is
     wrong, and how to mend it.
@@ -93,6 +101,11 @@ def measure_frames(
         reference=None if reference is None else fspath(reference),
         motion=_motion(motion),
         mask=None if mask is None else fspath(mask),
+        mask_channels=mask_channels,
+        mask_part=mask_part,
+        depth=None if depth is None else fspath(depth),
+        depth_channels=depth_channels,
+        depth_part=depth_part,
         fps=fps,
         frames=frames,
         look=Look(channels, colour_space, alpha, part, None if crop is None else Box(*crop)),
@@ -100,6 +113,8 @@ def measure_frames(
         motion_part=motion_part,
         convention=_convention(convention),
         motion_mask=None if motion_mask is None else fspath(motion_mask),
+        motion_mask_channels=motion_mask_channels,
+        motion_mask_part=motion_mask_part,
         motion_jitter=None if motion_jitter is None else fspath(motion_jitter),
         motion_jitter_in=motion_jitter_in,
         domain=domain,
@@ -128,5 +143,7 @@ def _convention(convention: str | Convention) -> Convention:
     if isinstance(convention, Convention):
         return convention
     if convention not in PRESETS:
-        raise FrameError(f"convention {convention!r}: there are {', '.join(PRESETS)}, or make a Convention")
+        raise FrameError(
+            f"convention {convention!r}: is not known; there are {', '.join(PRESETS)}, or make a Convention"
+        )
     return PRESETS[convention]

@@ -13,6 +13,7 @@ import numpy as np
 import sequences
 from metrics import Clip
 from metrics.display import Domain
+from swimlab.footage.keys import in_words_of
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.notebook.picture import GAP, Codes, Panel, Picture, enlarge, error_colours, scale_bar, sheet
 from swimlab.notebook.scores import Scores
@@ -232,7 +233,8 @@ def _study_shot(path: Path, builds: str | Sequence[str] | None, output: str | Pa
     shot = load_shot(path)
     requests = shot.requests(path.parent, domain, builds=None if builds is None else listed(builds))
     folder = _temporary(shot.name) if output is None else Path(output)
-    measure_brought(requests, folder, sequence=shot.name, command="swimlab.study")
+    with in_words_of(path):
+        measure_brought(requests, folder, sequence=shot.name, command="swimlab.study")
     return Study(folder)
 
 

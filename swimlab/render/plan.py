@@ -106,7 +106,7 @@ def make_plan(
     if unknown:
         close = get_close_matches(unknown[0], known, n=1)
         guess = f"did you mean {close[0]!r}? " if close else ""
-        raise RunError(f"technique {unknown[0]!r}: {guess}there are {', '.join(known)}")
+        raise RunError(f"technique {unknown[0]!r}: is not known; {guess}there are {', '.join(known)}")
     loaded = sequence if isinstance(sequence, Sequence) else load_sequence(sequence)
     if size is not None:
         loaded = loaded.with_changes(size=size)

@@ -1,5 +1,6 @@
 """Rendering a plan into a run folder: resumable, and refused where the folder holds something else."""
 
+import json
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from statistics import median
@@ -30,6 +31,11 @@ def render_run(
     of another settings hash, MapError for maps that cannot be used. An interrupt loses nothing that was written.
     """
     clear_leftovers(run)
+    there = None if force else finished(plan, run)
+    if there is not None:
+        for name in plan.techniques * len(plan.frames):
+            advance(name)
+        return there
     with Launcher(threads=threads, device=device) as launcher:
         renderer = Renderer(plan, launcher, digest=plan.digest())
         record = open_record(plan, run, force=force, command=command)
@@ -63,6 +69,22 @@ def render_run(
             }
             record.write(run)
     return record
+
+
+def finished(plan: Plan, run: Path) -> Record | None:
+    """The folder's record where it holds all of the plan as it is: there is nothing to render, nor to write.
+
+    Raises RunError as `earlier_record` does.
+    """
+    record = earlier_record(plan, run, force=False)
+    if record is None or outdated(plan, record) or record.sequence != json.loads(json.dumps(plan.sequence_in_full())):
+        return None
+    if set(plan.techniques) - set(record.techniques) or set(plan.frames) - set(record.frames):
+        return None
+    if REFERENCE in plan.techniques and {str(frame) for frame in plan.frames} - set(record.reference_rms_error):
+        return None
+    pictures = (frame_path(run, name, frame) for name in (GEOMETRY, *plan.techniques) for frame in plan.frames)
+    return record if all(path.exists() for path in pictures) else None
 
 
 def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:

@@ -23,6 +23,8 @@ ERROR_COLOURS = ((5, 48, 97), (67, 147, 195), (247, 247, 247), (214, 96, 77), (1
 """Colours of errors from -ERROR_RANGE (blue: too dark) by 0 (white) to ERROR_RANGE (red: too bright)."""
 UNMEASURED = 0
 COVERED = 0.999
+BEYOND = 1.004
+"""Radiance above this is beyond 1 by more than the rounding of 8 bit."""
 
 
 def srgb(rgb: Image) -> Picture:
@@ -31,6 +33,15 @@ def srgb(rgb: Image) -> Picture:
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     codes: Picture = np.rint(255 * encoded).astype(np.uint8)
     return codes
+
+
+def wide_codes(rgb: Image) -> Picture:
+    """Encode linear radiance [..., 3] from 0 to about 200 as sRGB codes of x/(1 + x), so that it can be exposed anew.
+
+    A step is 2% of radiance around .2 and 1, and 16% at 16.
+    """
+    light = np.maximum(rgb, 0)
+    return srgb(light / (1 + light))
 
 
 def error_codes(test: Image, reference: Image) -> Picture:
@@ -42,6 +53,12 @@ def error_codes(test: Image, reference: Image) -> Picture:
     error = np.mean(test[..., :3] - reference[..., :3], axis=2)
     steps = np.rint(np.clip(error / ERROR_RANGE, -1, 1) * ERROR_STEPS) + ERROR_STEPS + 1
     return np.where(reference[..., 3] >= COVERED, steps, UNMEASURED).astype(np.uint8)
+
+
+def difference_codes(difference: Image) -> Picture:
+    """Code differences of linear radiance as grey 128 where there is none, 255 and 1 at ERROR_RANGE more and less."""
+    codes: Picture = np.rint(np.clip(difference / ERROR_RANGE, -1, 1) * 127 + 128).astype(np.uint8)
+    return codes
 
 
 def webp(picture: Picture) -> str:

@@ -10,21 +10,37 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from metrics import METRICS
-from swimlab.report.clips import BUDGET, Clip, choose_clips, encode
+from swimlab.report.clips import (
+    BUDGET,
+    DETAIL_SHARE,
+    Clip,
+    choose_clips,
+    detail_of,
+    encode,
+    is_wide,
+    liveliest,
+    outwards,
+)
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
+from swimlab.report.motion_map import checked_motion, motion_map
 from swimlab.report.palette import Ink, inks
 from swimlab.report.profiles import profiles
 from swimlab.report.recorded import ReportError, Run, open_run
+from swimlab.report.sentences import listed
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
+from swimlab.report.worst import worst, worst_frames
 from swimlab.runs.columns import MARKS
 from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
 
-SCRIPTS = ("pictures.js", "view.js", "screen.js", "pointer.js", "viewer.js", "charts.js")
+BY_FRAME = ("mse", "frame_mse", "change")
+"""By which of an entry's values frames are ranked: the first that is known."""
+
+SCRIPTS = ("pictures.js", "view.js", "screen.js", "beside.js", "pointer.js", "viewer.js", "charts.js")
 
 
 def write_report(
@@ -62,7 +78,10 @@ def write_report_folder(
     with replacing_folder(destination) as folder:
         clips = []
         for place, run in enumerate(opened):
-            clips.append(write_pictures(run, folder, place))
+            order = outwards(run.frames, liveliest(run, scores["sequences"]))
+            wide = is_wide(run, order)
+            clips.append(write_pictures(Clip(run, wide=wide, folder=f"{PICTURES}/{place}"), folder))
+            clips += detail_of(run, order, int(DETAIL_SHARE * BUDGET) // len(opened), wide=wide)
             advance(run.sequence)
         write_text(folder / PAGE, _page(opened, scores, clips))
 
@@ -108,6 +127,8 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             css=Markup(_static("report.css") + _static("charts.css")),
             script=Markup("".join(_static(name) for name in SCRIPTS)),
             folder=any(clip.folder for clip in clips),
+            compared=any(REFERENCE in run.techniques for run in opened),
+            wide=[clip.run.sequence for clip in clips if clip.wide and clip.region is None],
         )
     )
 
@@ -125,11 +146,11 @@ def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]], pi
 
 
 def _first(clips: Sequence[Clip]) -> int:
-    """The place of the clip to open on: a detail that moves, else what moves at one size, else what moves at all."""
+    """The place of the clip to open on: whole pictures of what moves at one size, else a detail, else anything."""
 
-    def worth(place: int) -> tuple[bool, bool, bool]:
+    def worth(place: int) -> tuple[bool, bool]:
         clip = clips[place]
-        return len(clip.frames) > 1, not clip.run.resizes, clip.region is not None
+        return len(clip.run.frames) > 1 and not clip.run.resizes, clip.region is None
 
     return max(range(len(clips)), key=worth, default=0)
 
@@ -163,13 +184,29 @@ def _section(
         "name": run.sequence,
         "headline": headline(mine),
         "table": score_table(mine, run.milliseconds),
-        "figures": [*speed(mine, run.milliseconds, colours), *figures(mine, colours), *profiles(run)],
+        "figures": [
+            *speed(mine, run.milliseconds, colours),
+            *figures(mine, colours),
+            *worst(run, mine, clips),
+            *profiles(run),
+            *motion_map(run, mine),
+        ],
         "maps": maps(run, mine),
-        "notes": list(dict.fromkeys(note for entry in mine for note in entry.get("notes", []))),
+        "notes": _notes(mine),
+        "motion": checked_motion(mine),
         "score_names": names,
         "entries": mine,
         "clips": [_caption(clip) for clip in clips if clip.run is run],
     }
+
+
+def _notes(entries: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Note -> whom it is of, "" where it is of all."""
+    of: dict[str, list[str]] = {}
+    for entry in entries:
+        for note in dict.fromkeys(entry.get("notes", [])):
+            of.setdefault(note, []).append(entry["technique"])
+    return {note: "" if len(names) == len(entries) else listed(names) for note, names in of.items()}
 
 
 def _techniques(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -181,17 +218,15 @@ def _caption(clip: Clip) -> str:
     first, last = clip.frames[0], clip.frames[-1]
     which = f"frame {first}" if first == last else f"frames {first} to {last}"
     if clip.region is None:
-        return f"whole picture, {which} of {len(clip.run.frames)}"
+        size = f" at 1/{clip.shrunk} of its size" if clip.shrunk > 1 else ""
+        return f"whole picture{size}, {which} of {len(clip.run.frames)}"
     x, y, width, height = clip.region
     return f"detail {width}x{height} at ({x}, {y}), {which} of {len(clip.run.frames)}"
 
 
 def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    mse = {
-        entry["technique"]: {row["frame"]: row["mse"] for row in entry.get("frames", []) if row.get("mse") is not None}
-        for entry in entries
-        if entry["sequence"] == clip.run.sequence
-    }
+    mine = [entry for entry in entries if entry["sequence"] == clip.run.sequence]
+    by_frame = {entry["technique"]: dict(worst_frames(entry.get("frames", []), *BY_FRAME)) for entry in mine}
     return {
         "sequence": clip.run.sequence,
         "name": f"{clip.run.sequence}: {_caption(clip)}",
@@ -199,14 +234,34 @@ def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, 
         "fps": clip.run.fps,
         "techniques": clip.run.techniques,
         "frames": clip.frames,
-        "origin": list(clip.region[:2]) if clip.region else [0, 0],
+        "region": clip.region,
+        "shrunk": clip.shrunk,
+        "wide": clip.wide,
+        "tone": _tone(clip.run, mine),
+        "farthest": _farthest(mine),
         "compared": clip.compared,
         "sizes": [clip.sizes[frame] for frame in clip.frames],
         "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
         "errors": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.errors.items()},
-        "mse": {name: [mse.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
-        "worst": {name: max(rows, key=lambda frame: rows[frame]) for name, rows in mse.items() if rows},
+        "squared": {name: [by_frame.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
+        "is": "error" if REFERENCE in clip.run.techniques else "change",
+        "worst": {name: next(iter(rows)) for name, rows in by_frame.items() if rows},
     }
+
+
+def _tone(run: Run, entries: Sequence[Mapping[str, Any]]) -> str:
+    """The tone map by which the scores saw the pictures, else that of the sequence's [display]; "none" clips."""
+    shown = [entry["display"] for entry in entries if "display" in entry] or [run.settings.get("display", {})]
+    return str(shown[0].get("tone_map", "none"))
+
+
+def _farthest(entries: Sequence[Mapping[str, Any]]) -> str:
+    """The technique that errs most, or without errors flickers most; "" where neither is known."""
+    for score in ("budget.mse", "frame.mse", "residual.flicker"):
+        known = [each for each in entries if score in each["scores"] and each["technique"] != REFERENCE]
+        if known:
+            return str(max(known, key=lambda each: float(each["scores"][score]))["technique"])
+    return ""
 
 
 def _by_run(runs: Sequence[Run]) -> dict[str, Any]:
@@ -231,12 +286,12 @@ PAGE = "index.html"
 PICTURES = "pictures"
 
 
-def write_pictures(run: Run, report: Path, place: int) -> Clip:
-    """Write the whole frames of a run as scripts into the folder `report`/pictures/`place`."""
-    clip = Clip(run, folder=f"{PICTURES}/{place}")
+def write_pictures(clip: Clip, report: Path) -> Clip:
+    """Write the whole frames of a clip's run as scripts into its folder of the report."""
+    run = clip.run
     (report / clip.folder).mkdir(parents=True)
     for frame in run.frames:
-        step = encode(run, frame, None)
+        step = encode(clip, frame)
         for technique in run.techniques:
             name = f"{clip.folder}/{technique}.{frame:04d}.js"
             error = step.errors.get(technique, {}).get(frame)

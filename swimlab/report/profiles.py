@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 from swimlab.report.charts import drawing, drawn_text
 from swimlab.report.display import srgb
 from swimlab.report.figures import Figure
+from swimlab.report.following import follow, read_at
 from swimlab.report.heat import UNKNOWN, image
 from swimlab.report.recorded import Run
-from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE
 
 COLUMNS = 320
@@ -28,7 +27,10 @@ PROBED = 4
 WIDTH = 420
 HEAD = 18
 GAP = 8
-LEAST_HEIGHT = 24
+LEAST_HEIGHT = 40
+
+UNKNOWN_MOTION = {"none": "no motion is given", "estimated": "its motion is estimated from the frames"}
+"""Kind of motion -> why the surface is not followed."""
 
 
 def profiles(run: Run) -> list[Figure]:
@@ -44,72 +46,72 @@ def profiles(run: Run) -> list[Figure]:
     width = min(COLUMNS, energy.shape[1])
     sums = np.concatenate([[0.0], np.cumsum(energy[y])])
     left = int(np.argmax(sums[width:] - sums[:-width]))
-    moves = [("screen", (0.0, 0.0))]
-    if run.uniform_velocity is not None and all(after - before == 1 for before, after in pairwise(frames)):
-        moves.append(("surface", run.uniform_velocity))
-    across = (WIDTH - GAP * (len(moves) - 1)) / len(moves)
+    anchor = len(frames) // 2
+    row = np.stack([np.full(width, float(y)), np.arange(left, left + width, dtype=np.float64)])
+    lines = {"screen": np.repeat(row[None], len(frames), axis=0)}
+    surface, said = _surface(run, frames, anchor, row)
+    if surface is not None:
+        lines["surface"] = surface
+    across = (WIDTH - GAP * (len(lines) - 1)) / len(lines)
     high = max(LEAST_HEIGHT, len(frames) * across / width)
     body = []
     for place, name in enumerate(run.techniques):
         top = place * (HEAD + high)
-        stacks = profile(run, name, y, (left, left + width), [velocity for _, velocity in moves])
-        for column, ((where, _), codes) in enumerate(zip(moves, stacks, strict=True)):
+        stacks = profile(run, name, frames, list(lines.values()))
+        for column, (where, codes) in enumerate(zip(lines, stacks, strict=True)):
             start = column * (across + GAP)
             body.append(drawn_text(start, top + HEAD - 5, f"{name}, {where}", "start"))
             body.append(image(codes, (start, top + HEAD, start + across, top + HEAD + high)))
     size = (WIDTH, math.ceil(len(run.techniques) * (HEAD + high)))
-    surface = (
-        "on the moving surface what is glued to it stands upright, and what flickers breaks up"
-        if len(moves) > 1
-        else "no one motion of all frames is known, so the surface is not followed here"
-    )
     sentence = (
         f"Row {y}, columns {left} to {left + width - 1}, {why}; x across, time down, "
         f"frames {frames[0]} to {frames[-1]} of {len(run.frames)}, in sRGB at exposure 0. "
-        f"On the screen what moves is slanted; {surface}. Grey is not measured."
+        f"On the screen what moves is slanted; {said}."
     )
     return [Figure("Temporal profiles", drawing(size, "Temporal profiles", body), sentence, [])]
 
 
-def profile(
-    run: Run, technique: str, y: int, columns: tuple[int, int], velocities: Sequence[tuple[float, float]]
-) -> NDArray[np.uint8]:
-    """A row of pixels in every frame shown under several motions, [motions, frames, columns, 3] sRGB codes.
+def _surface(
+    run: Run, frames: Sequence[int], anchor: int, row: NDArray[np.float64]
+) -> tuple[NDArray[np.float64] | None, str]:
+    """Where the surface of a row of pixels [2, n] of one frame is in all; and what is to be seen, or why not."""
+    kind = run.settings["motion"]["kind"]
+    glued = "what is glued to it stands upright, and what flickers breaks up"
+    steps = {after - before for before, after in pairwise(frames)}
+    if kind in UNKNOWN_MOTION:
+        return None, f"the surface is not followed here, as {UNKNOWN_MOTION[kind]}. Grey is not measured"
+    if run.uniform_velocity is not None and steps == {1}:
+        away = (np.array(frames) - frames[anchor])[:, None, None] * np.array(run.uniform_velocity[::-1])[:, None]
+        return row + away, f"on the moving surface {glued}. Grey is not measured"
+    if steps != {1}:
+        return None, "the surface is not followed here, as frames are left out. Grey is not measured"
+    followed = follow(row, anchor, frames, run.pictures.motion(frames))
+    return followed, (
+        f"on the moving surface, which is followed through its vectors from frame {frames[anchor]}, {glued}. "
+        "Grey is hidden, out of the picture or not measured"
+    )
 
-    y, columns: of the middle frame, first..end-1. velocities: px a frame that the row moves by, read between pixels
-    linearly; what is outside the picture or has no alpha is grey. Each frame is read once.
+
+def profile(run: Run, technique: str, frames: Sequence[int], lines: Sequence[NDArray[np.float64]]) -> NDArray[np.uint8]:
+    """Lines of points in every frame, [lines, frames, n, 3] sRGB codes.
+
+    lines: for each, where its points are in each frame, [frames, 2, n] (y, x px), read between pixels linearly; what is
+    NaN, outside the picture or without alpha is grey. Each frame is read once.
     """
-    frames = run.frames[:FRAMES]
-    middle = frames[len(frames) // 2]
     height = run.settings["size"][1]
-    found = np.full((len(velocities), len(frames), columns[1] - columns[0], 3), UNKNOWN, np.uint8)
+    found = np.full((len(lines), len(frames), lines[0].shape[2], 3), UNKNOWN, np.uint8)
     for place, frame in enumerate(frames):
-        moved = [((frame - middle) * dx, y + (frame - middle) * dy) for dx, dy in velocities]
-        inside = [math.floor(row) for _, row in moved if 0 <= math.floor(row) < height]
-        if not inside:
+        y = np.concatenate([line[place, 0] for line in lines])
+        inside = y[(y >= 0) & (y <= height - 1)]
+        if not len(inside):
             continue
-        first = min(inside)
-        rows = run.pictures.read(technique, frame, rows=(first, min(max(inside) + 2, height)))
-        for motion, (right, row) in enumerate(moved):
-            above = math.floor(row)
-            if 0 <= above < height:
-                below = min(above + 1, height - 1)
-                line = _between(rows[above - first], rows[below - first], row - above)
-                found[motion, place] = _along(line, np.arange(*columns, dtype=np.float64) + right)
+        top = math.floor(inside.min())
+        rows = run.pictures.read(technique, frame, rows=(top, min(math.floor(inside.max()) + 2, height)))
+        for number, line in enumerate(lines):
+            pixels = read_at(rows, line[place], top)
+            known = pixels[:, 3] > 0
+            found[number, place, known] = srgb(pixels[known, :3])
     return found
-
-
-def _along(row: Image, x: NDArray[Any]) -> NDArray[np.uint8]:
-    first = np.floor(x).astype(int)
-    inside = (first >= 0) & (np.ceil(x) < len(row))
-    low, high = np.clip(first, 0, len(row) - 1), np.clip(first + 1, 0, len(row) - 1)
-    pixels = _between(row[low], row[high], (x - first)[:, None])
-    known = inside & (pixels[:, 3] > 0)
-    return np.where(known[:, None], srgb(pixels[:, :3]), np.array(UNKNOWN)).astype(np.uint8)
-
-
-def _between(first: Image, second: Image, share: float | NDArray[np.float64]) -> Image:
-    return np.asarray(first * (1 - share) + second * share, np.float32)
 
 
 def _energy(run: Run) -> tuple[NDArray[np.float64], str]:

@@ -127,7 +127,7 @@ def other_settings(names: Iterable[str], settings: Mapping[str, Mapping[str, Any
         if unlike:
             told.append(
                 f"{name} has not the same settings in all that is weighed here ({'; '.join(unlike)}): its means are "
-                "over different techniques. Report one run at a time for a verdict on each."
+                "over different things. Report one run at a time for a verdict on each."
             )
     return told
 

@@ -140,7 +140,7 @@ def _about(column: Column, entry: Entry, value: float, mark: str, sign: str) -> 
     if mark:
         parts.append(f"{mark} of this column")
     if sign:
-        parts.append("not resolved from the next better technique")
+        parts.append("not resolved from the next better one")
     return ", ".join(parts)
 
 

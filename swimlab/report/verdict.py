@@ -90,7 +90,7 @@ def verdict(
     shared = set.intersection(*(set(mine) for mine in by_sequence.values()))
     names = [name for name in next(iter(by_sequence.values())) if name in shared]
     if not names:
-        return Verdict(f"No technique was measured in every one of {listed(by_sequence)}: there is nothing to weigh.")
+        return Verdict(f"Nothing was measured in every one of {listed(by_sequence)}: there is nothing to weigh.")
     tested = [weigh(name, by_sequence, milliseconds) for name in names]
     if len(tested) > 1:
         told = _weighed(tested, by_sequence)

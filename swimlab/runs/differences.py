@@ -35,9 +35,12 @@ class Difference:
 
 
 def concerns(key: str, technique: str) -> bool:
-    """Whether a technique's pixels may depend on a key of the sequence: its own settings', and what is for all."""
+    """Whether a technique's pixels may depend on a key of the sequence: its own settings', and what is for all.
+
+    Builds of a shot are techniques too.
+    """
     table, _, rest = key.partition(".")
-    return table != "techniques" or rest.partition(".")[0] == technique
+    return table not in ("techniques", "builds") or rest.partition(".")[0] == technique
 
 
 def differences(before: Entry, after: Entry) -> list[Difference]:

@@ -18,8 +18,7 @@ def run_clip(run: Path, record: Record, technique: str) -> Clip:
     """
     if not record.inputs:
         return read_clip(run, record, technique, list(record.frames))
-    for what, given in record.inputs.items():
-        check_unchanged(what, given)
+    check_unchanged(record.inputs)
     requests = requests_of(record)
     name = next(iter(requests)) if technique == REFERENCE else technique
     subject = Subject(requests[name], lambda _: None, lambda _: None)

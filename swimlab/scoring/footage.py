@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from metrics import Alignment, ReferenceFrames, align
 from metrics.kernels.launch import Launcher
-from swimlab.footage.colour import AUTO
+from swimlab.footage.colour import AS_STORED, AUTO, SRGB
 from swimlab.footage.request import ESTIMATE
 from swimlab.footage.subject import Subject
+from swimlab.runs.configuration import configuration
 from swimlab.runs.hashes import hash_of
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION
@@ -26,23 +28,32 @@ def measure_builds(
     device: str = "cpu",
     command: str = "",
     advance: Callable[[int, int], None] | None = None,
+    kept: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
+    done: Callable[[str, Mapping[str, Any]], None] = lambda *_: None,
 ) -> dict[str, Any]:
     """Measure builds of a shot, by name, and return scores in the form of scores.json.
 
     sequence: the shot's name; None: as the first build's files are called. advance: called with frames done and frames
-    in all, for each build. Raises FrameError and ClipError naming the frame that is bad.
+    in all, for each build. kept: entries of builds that need not be measured. done: called with a build that was
+    measured and its entry. Raises FrameError and ClipError naming the frame that is bad.
     """
     first = next(iter(builds.values()))
+    called = sequence or first.request.name
     shared: dict[Subject, Shared] = {}
     entries, of_builds = [], {}
     for name, subject in builds.items():
-        if len(builds) > 1 and subject.like not in shared:
-            shared[subject.like] = _share(subject.like, device)
-        entry = _entry(
-            sequence or first.name, name, subject, shared.get(subject.like), peers=peers, device=device, advance=advance
-        )
         settings = _settings(subject)
         of_builds[name] = {"hash": hash_of(settings), "settings": settings}
+        if name in kept:
+            entry = {key: value for key, value in kept[name].items() if key not in of_builds[name]}
+            entries.append(entry | {"sequence": called})
+            continue
+        if len(builds) - len(kept) > 1 and subject.like not in shared:
+            shared[subject.like] = _share(subject.like, device)
+        entry = measure_build(
+            called, name, subject, shared.get(subject.like), peers=peers, device=device, advance=advance
+        )
+        done(name, entry)
         entries.append(entry)
     about: dict[str, Any] = {**provenance(command), "domain": first.request.domain}
     if len(builds) == 1:
@@ -71,16 +82,18 @@ def _share(subject: Subject, device: str) -> Shared:
     return Shared(align(clip, launcher=Launcher(device=device)) if fits else None, exact)
 
 
-def _entry(
+def measure_build(
     sequence: str,
     name: str,
     subject: Subject,
-    shared: Shared | None,
+    shared: Shared | None = None,
     *,
-    peers: Sequence[str],
-    device: str,
-    advance: Callable[[int, int], None] | None,
+    peers: Sequence[str] = (),
+    device: str = "cpu",
+    advance: Callable[[int, int], None] | None = None,
+    threads: int | None = None,
 ) -> dict[str, Any]:
+    """The entry of scores.json of one build. shared: the same scores sooner, where several builds are measured."""
     request = subject.request
     clip, reference = subject.clips()
     found = score_clip(
@@ -92,6 +105,7 @@ def _entry(
         rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
         peers=peers,
         progress=advance,
+        threads=threads,
         device=device,
     )
     floor = found.scores.get("quantisation.floor")
@@ -103,7 +117,8 @@ def _entry(
     numbers = [subject.test.reader.numbers[index] for index in subject.kept]
     entry = entry_of(sequence, name, found, numbers, domain=request.domain, display=request.display)
     checked = subject.checked.entry(lambda index: subject.test.reader.numbers[index])
-    return entry | {"motion": subject.motion_kind, "motion_check": checked, "notes": subject.notes}
+    told = {"notes": subject.notes} | ({"warnings": subject.warnings} if subject.warnings else {})
+    return entry | {"motion": subject.motion_kind, "motion_check": checked, **told}
 
 
 def _settings(subject: Subject) -> dict[str, Any]:
@@ -118,11 +133,15 @@ def _settings(subject: Subject) -> dict[str, Any]:
         "crop": look["crop"],
     }
     chosen |= {"reference_look": reference_look} if reference_look else {}
-    chosen |= _said({"motion_part": motion_part})
+    of_masks = ("mask_channels", "mask_part", "motion_mask_channels", "motion_mask_part")
+    chosen |= _said({"motion_part": motion_part} | {name: chosen.pop(name) for name in of_masks})
     depth = {name: chosen.pop(name) for name in ("depth", "depth_channels", "depth_part")}
     chosen |= {"depth": True} | _said({key: depth[key] for key in depth if key != "depth"}) if depth["depth"] else {}
     for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
         chosen.pop(part_of_command)
+    spaces = {source.space for source in (subject.test, subject.reference) if source is not None}
+    if spaces - {AS_STORED, SRGB} and (colour := configuration()) is not None:
+        chosen["configuration"] = colour.digest
     height, width = subject.test.shape
     chosen["motion"] = request.motion if subject.motion_kind == "uniform" else subject.motion_kind
     if subject.motion_kind == "fields":

@@ -10,7 +10,7 @@ from swimlab.footage.brought import requests_of
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import write_scores
 from swimlab.scoring.brought import measure_brought
-from swimlab.scoring.kept import kept_entries, keys_of
+from swimlab.scoring.kept import kept_entries, keys_of, standing
 from swimlab.scoring.techniques import measure_techniques
 
 
@@ -26,7 +26,7 @@ def measure_run(
 ) -> dict[str, Any]:
     """Score every technique of a run, write scores.json and frames.csv into its folder, and return the former.
 
-    Scores of a rendered run that are there already, of the same pictures, settings and code, are kept as they are.
+    Scores that are there already, of the same pictures, settings and code, are kept as they are.
     peers: metrics of other projects to add, by name (see `scoring.peer`). viewing: what replaces pixels_per_degree and
     luminance of the sequence's [viewing]. device: as `metrics.measure` takes it. `advance` is called with a technique's
     name after each. Raises RunError where the folder holds no run or no pictures, FrameError where one is missing or
@@ -51,6 +51,8 @@ def measure_run(
     missing = [name for name in tests if name not in kept]
     for name in kept:
         advance(name)
+    if not missing and (there := standing(run, record, [kept[name] for name in tests], domain)) is not None:
+        return there
     measured = measure_techniques(run, record, missing, domain=domain, peers=peers, device=device, advance=advance)
     found = kept | {
         name: entry | ({"key": keys[name]} if name in keys else {})

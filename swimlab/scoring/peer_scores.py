@@ -34,7 +34,7 @@ def peer_scores(name: str, test: Clip, reference: Clip) -> dict[str, float]:
     not installed, and one that gives no number; ClipError for clips that do not match.
     """
     if name not in peers():
-        raise PeerError(f"--peers {name}: there are {', '.join(peers())}")
+        raise PeerError(f"--peers {name}: is no metric that is known; there are {', '.join(peers())}")
     if (test.count, test.shape) != (reference.count, reference.shape):
         raise ClipError(f"{name}: test and reference need as many frames of the same size")
     peer = peers()[name]

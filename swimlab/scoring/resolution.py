@@ -9,7 +9,7 @@ from metrics.ratios import SIGMAS, resolved
 
 MARK = "≈"
 LEGEND = (
-    f"{MARK} not resolved from the next better technique: within {SIGMAS:g} standard errors of their difference, "
+    f"{MARK} not resolved from the next better one: within {SIGMAS:g} standard errors of their difference, "
     "or the reference's own error"
 )
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from metrics import Alignment, Clip, Display, Measurement, ReferenceFrames, measure, quantisation
 from metrics.display import Domain
+from swimlab.runs.configuration import configuration
 from swimlab.scoring.peer_scores import all_peer_scores
 
 
@@ -54,5 +55,8 @@ def entry_of(
 ) -> dict[str, Any]:
     """What scores.json holds of a clip. numbers: of its frames, as in the names of their files."""
     frames = [{**row, "frame": numbers[row["frame"]]} for row in found.frames]
-    shown: dict[str, Any] = {"display": asdict(display)} if domain == "display" else {}
+    shown: dict[str, Any] = {}
+    if domain == "display":
+        colour = configuration() if display.view is not None else None
+        shown["display"] = asdict(display) | ({} if colour is None else {"configuration": colour.digest})
     return {"sequence": sequence, "technique": technique, **vars(found), "frames": frames, **shown}

@@ -113,8 +113,8 @@ class Stage:
         if self.sequence.motion.resizes:
             return Trial(variant, self._measure_scales(tests), shaded)
         found = measure(
-            self._clip(tests),
-            self._clip(self.reference),
+            self.clip(tests),
+            self.clip(self.reference),
             reference_error=self._reference_error,
             names=names,
             alignment=self._alignment,
@@ -144,7 +144,7 @@ class Stage:
 
     @cached_property
     def _alignment(self) -> Alignment:
-        return align(self._clip(self.reference))
+        return align(self.clip(self.reference))
 
     def _reference_error(self, t: int) -> Image:
         error = self.reference[t].error
@@ -154,12 +154,12 @@ class Stage:
 
     def _measure_scales(self, tests: Sequence[Picture]) -> Measurement:
         def clips(pictures: Sequence[Picture]) -> list[Clip]:
-            return [self._clip([picture], first=t) for t, picture in enumerate(pictures)]
+            return [self.clip([picture], first=t) for t, picture in enumerate(pictures)]
 
         heights = [picture.rgba.shape[0] for picture in tests]
         return measure_scales(clips(tests), clips(self.reference), [height / heights[0] for height in heights])
 
-    def _clip(self, pictures: Sequence[Picture], first: int = 0) -> Clip:
+    def clip(self, pictures: Sequence[Picture], first: int = 0) -> Clip:
         """Pictures as a clip, the geometry's from `first` on; what the reference does not wholly cover is left out."""
 
         def coverage(t: int) -> Image:

@@ -26,18 +26,26 @@ class Sweep(Table):
 
     version: Literal[1] = Field(description="version of the file format: 1")
     name: str = Field(pattern=NAME, max_length=100, description="name of the sweep")
-    sequences: list[str] = Field(min_length=1, description="names in the library, or .toml files beside this one")
-    techniques: list[str] = Field(min_length=1, description="techniques by name; the reference is always rendered")
+    sequences: list[str] = Field(
+        min_length=1, description="names in the library, or .toml files beside this one; or shot files"
+    )
+    techniques: list[str] = Field(
+        min_length=1, description="techniques by name, the reference is always rendered; or builds of shots"
+    )
     frames: str | None = Field(None, description="frames as '0-31' or '3,5'; all of each sequence where left out")
     size: tuple[Side, Side] | None = Field(None, description="width and height in pixels; else each sequence's")
     samples: Whole = Field(64, description="samples a pixel of the reference, a square number")
     chunk: Whole = Field(8, ge=1, description="frames a chunk, the piece of work that is done or lost as a whole")
     domain: Domain = Field("linear", description="what is measured: linear radiance, or display codes")
     grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(
-        {}, description="values by dotted key of the sequence file; every combination is rendered"
+        {}, description="values by dotted key of the sequence or shot file; every combination is measured"
     )
 
     _path: Path = PrivateAttr(default=Path())
+
+    def place(self, source: str) -> str:
+        """Where one of the sequences is: a name in the library, or a path."""
+        return str(self.path.parent / source) if source.endswith(".toml") else source
 
     @property
     def path(self) -> Path:
@@ -63,23 +71,35 @@ def load_sweep(path: Path) -> Sweep:
     return sweep
 
 
+def sweep_schema() -> dict[str, Any]:
+    """JSON schema (2020-12) of a sweep file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Sweep.model_json_schema()}
+
+
 def check(sweep: Sweep) -> list[str]:
-    """What is wrong between keys that are well formed by themselves, as `key: what (hint)`."""
+    """What is wrong between keys that are well formed by themselves, as `key: what (hint)`, where all is rendered."""
     known = techniques()
     problems = [
         f"techniques: there is no {name!r} {hint(name, known)}" for name in sweep.techniques if name not in known
     ]
+    for key in sweep.grid:
+        first, _, rest = key.partition(".")
+        technique = rest.partition(".")[0]
+        if first == "techniques" and technique in known and technique not in {*sweep.techniques, REFERENCE}:
+            problems.append(f"grid: {key!r}: {technique} is not among the techniques; add it there")
+    return problems + check_lists(sweep)
+
+
+def check_lists(sweep: Sweep) -> list[str]:
+    """What is listed twice, or is not for a sweep to vary, as `key: what (hint)`."""
+    problems: list[str] = []
     for key in ("sequences", "techniques"):
         values = getattr(sweep, key)
         problems += [f"{key}: {value!r} is listed twice" for value in _repeated(values)]
     for key, values in sweep.grid.items():
-        first, _, rest = key.partition(".")
-        technique = rest.partition(".")[0]
         problems += [f"grid: {key!r}: {value!r} is listed twice" for value in _repeated(values)]
         if key in SET_ELSEWHERE:
             problems.append(f"grid: {key!r}: {SET_ELSEWHERE[key]}; leave it out")
-        if first == "techniques" and technique in known and technique not in {*sweep.techniques, REFERENCE}:
-            problems.append(f"grid: {key!r}: {technique} is not among the techniques; add it there")
     return problems
 
 

@@ -52,10 +52,12 @@ def short(key: str) -> str:
 
 
 def _plan(sweep: Sweep, source: str, varied: Mapping[str, Any]) -> Plan:
-    place = str(sweep.path.parent / source) if source.endswith(".toml") else source
     changes = {"size": list(sweep.size)} if sweep.size is not None else {}
     sequence = load(
-        place, technique_settings=technique_settings(), brdfs=brdf_settings(), changes=changes | dict(varied)
+        sweep.place(source),
+        technique_settings=technique_settings(),
+        brdfs=brdf_settings(),
+        changes=changes | dict(varied),
     )
     return Plan(
         sequence=sequence.with_changes(name=name_of(sequence.name, varied)),

@@ -7,7 +7,7 @@ Source: Open Job Description, Template Schemas, revision 2023-09
 from pathlib import Path, PurePath
 from typing import Any
 
-from swimlab.sweep.run import Work
+from swimlab.sweep.work import Work
 
 LONGEST_NAME = 64
 """Characters of a job's name that every revision allows."""
@@ -21,10 +21,10 @@ def _place(file: PurePath, folder: PurePath) -> str | None:
 def job_template(work: Work, sweep_file: Path, template: Path) -> dict[str, Any]:
     """The content of a template that will stand in the file `template`.
 
-    Its step Render has a task for each chunk; its step Measure follows, makes run folders and measures them. The
-    machines share SweepFile, what that names, and Out.
+    Its step Render has a task for each chunk, or build of a shot; its step Measure follows, makes run folders and
+    measures them. The machines share SweepFile, what that names, and Out.
     """
-    count = len(work.distinct())
+    count = len(work.pieces())
     place = _place(sweep_file.absolute(), template.absolute().parent)
     chunk = {"name": "Chunk", "type": "INT", "range": f"1-{count}"}
     sweep_parameter: dict[str, Any] = {
@@ -40,7 +40,7 @@ def job_template(work: Work, sweep_file: Path, template: Path) -> dict[str, Any]
     return {
         "specificationVersion": "jobtemplate-2023-09",
         "name": work.sweep.name[:LONGEST_NAME],
-        "description": f"swimlab sweep: {len(work.plans)} configurations in {count} chunks",
+        "description": f"swimlab sweep: {len(work.names)} configurations in {count} chunks",
         "parameterDefinitions": [
             sweep_parameter,
             {

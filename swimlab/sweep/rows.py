@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from swimlab.runs.differences import concerns
 from swimlab.runs.record import REFERENCE, Record
 from swimlab.sweep.grid import points
-from swimlab.sweep.run import Work
+from swimlab.sweep.work import Work
 
 ERRORS = ("budget.mse", "scale.rmse")
 """Scores that rows are in the order of: of a clip, and of frames of several sizes."""
@@ -36,8 +36,7 @@ def rows_of(work: Work, scores: Sequence[dict[str, Any]], out: Path) -> list[Row
     """
     measured = {each["sequences"][0]["sequence"]: each["sequences"] for each in scores}
     found: dict[tuple[str, str, str], Row] = {}
-    for (source, values), plan in zip(points(work.sweep), work.plans, strict=True):
-        name = plan.sequence.name
+    for (source, values), name in zip(points(work.sweep), work.names, strict=True):
         shared = json.dumps([source, _concerning(values, REFERENCE)], default=str)
         times = Record.read(out / "runs" / name).times if name in measured else {}
         for entry in measured.get(name, []):

@@ -46,6 +46,7 @@ def top_octave(t):
 
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("noise", [white, top_octave], ids=["white", "top octave"])
+@pytest.mark.checks("budget.mse", "budget.flicker", "residual.flicker")
 def test_noise_reads_its_own_energy(motion, noise, tolerance):
     flat = np.full((HEIGHT, WIDTH, 3), 0.5)
     test = Clip(lambda t: flat + noise(t), COUNT, motion=MOTIONS[motion])

@@ -37,6 +37,7 @@ def scores(test, reference, **options):
     return measure(clip, Clip(reference.__getitem__, len(reference)), **options)
 
 
+@pytest.mark.checks("budget.flicker", "residual.flicker.reference")
 def test_a_glued_error_has_no_flicker(five, tolerance):
     reference, errors = five
     found = scores(reference + errors["glued"], reference).scores
@@ -45,6 +46,7 @@ def test_a_glued_error_has_no_flicker(five, tolerance):
 
 
 @pytest.mark.parametrize("kind", ["screen", "swimming", "noise", "blinking"])
+@pytest.mark.checks("budget.flicker", "residual.flicker")
 def test_an_error_that_moves_against_the_surface_is_flicker(five, kind, tolerance):
     reference, errors = five
     found = scores(reference + errors[kind], reference).scores
@@ -55,6 +57,7 @@ def test_an_error_that_moves_against_the_surface_is_flicker(five, kind, toleranc
 
 
 @pytest.mark.parametrize("count", [2, 4, 12])
+@pytest.mark.checks("budget.flicker")
 def test_noise_is_all_flicker_however_short_the_clip(five, count, tolerance):
     """A static error beside the noise keeps its size."""
     reference, errors = five
@@ -74,6 +77,7 @@ def test_the_static_part_of_sparse_blinking_is_not_below_nothing(five, tolerance
     assert found["budget.bias"] + found["budget.detail"] < tolerance("glued") * found["budget.mse"]
 
 
+@pytest.mark.checks("budget.mse")
 def test_all_five_errors_are_of_one_size(five, tolerance):
     reference, errors = five
     sizes = [scores(reference + e, reference, names=["budget.mse"]).scores["budget.mse"] for e in errors.values()]
@@ -88,6 +92,7 @@ def test_all_five_errors_are_of_one_size(five, tolerance):
     dy=st.floats(-2, 2),
     scale=st.sampled_from([1e-6, 1.0, 1e6]),
 )
+@pytest.mark.checks("budget.mse")
 def test_bias_detail_and_flicker_add_up_to_the_squared_error(seed, count, dx, dy, scale, tolerance):
     random = np.random.default_rng(seed)
     test, reference = scale * random.standard_normal((2, count, 90, 80, 3))
@@ -112,6 +117,7 @@ def test_bands_weigh_up_to_the_whole_and_add_up_each(five, tolerance):
     assert min(sizes) <= found["budget.mse"] <= max(sizes)
 
 
+@pytest.mark.checks("budget.bias")
 def test_a_constant_error_is_all_bias(five, tolerance):
     reference, _ = five
     found = scores(reference.astype(float) + 0.5, reference).scores
@@ -119,6 +125,7 @@ def test_a_constant_error_is_all_bias(five, tolerance):
     assert found["budget.bias"] == pytest.approx(0.25, rel=tolerance("window leak"))
 
 
+@pytest.mark.checks("budget.detail")
 def test_a_fine_glued_error_is_all_detail(five, centres, tolerance):
     reference, _ = five
     x, _ = centres(HEIGHT, WIDTH)
@@ -127,6 +134,7 @@ def test_a_fine_glued_error_is_all_detail(five, centres, tolerance):
     assert found["budget.detail"] == pytest.approx(found["budget.mse"], rel=tolerance("window leak"))
 
 
+@pytest.mark.checks("budget.floor")
 def test_the_floor_is_the_energy_of_the_half_difference(five, tolerance):
     reference, errors = five
     half = 0.1 * np.ones_like(reference[0])

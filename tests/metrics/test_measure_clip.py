@@ -74,6 +74,7 @@ def test_a_reference_must_match():
         measure(bad(), bad(), reference_error=lambda _: GREY[:60])
 
 
+@pytest.mark.checks("covered.fraction")
 def test_motion_where_nothing_is_covered_may_be_anything(tolerance):
     covered = np.ones((64, 80))
     covered[:, :10] = 0

@@ -251,6 +251,7 @@ def test_scores_over_scales_have_the_spread_of_many_pictures(tolerance):
     assert set(found[0].errors) == set(found[0].scores)
 
 
+@pytest.mark.checks("quantisation.floor")
 def test_the_quantisation_floor_is_a_mean_over_frames_with_the_error_of_a_sample(tolerance):
     found = quantisation([1.0, 3.0, None], 8)
     assert found.scores == {"quantisation.floor": 2.0}

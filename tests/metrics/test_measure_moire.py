@@ -28,6 +28,7 @@ def compare(test, reference):
 
 @pytest.mark.parametrize("frequency", [0.62, 0.7, 0.85, 1.2])
 @pytest.mark.parametrize("samples", [1, 2, 3])
+@pytest.mark.checks("moire.peak_frequency")
 def test_peaks_stand_at_the_alias_frequencies_of_a_zone_plate(frequency, samples, tolerance):
     angle = np.radians(20)
     k = frequency * np.array([np.cos(angle), np.sin(angle)])
@@ -45,6 +46,7 @@ def test_a_picture_within_the_pixel_nyquist_has_no_moire():
     assert "no peak" in found.absent["moire.peak_strength"]
 
 
+@pytest.mark.checks("moire.peak_strength")
 def test_filtered_noise_shows_no_peaks():
     found = 0
     for seed in range(40):
@@ -54,6 +56,7 @@ def test_filtered_noise_shows_no_peaks():
     assert found == 0
 
 
+@pytest.mark.checks("moire.excess")
 def test_excess_counts_what_the_reference_has_not(tolerance):
     x = np.arange(WIDTH) * np.ones((HEIGHT, 1))
     reference = np.repeat(np.cos(2 * np.pi * 0.125 * x)[..., None], 3, axis=2)

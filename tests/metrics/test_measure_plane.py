@@ -24,6 +24,7 @@ def drifting(samples, velocity, *, frames=24, height=64, width=144, mean=5.0):
 
 
 @pytest.mark.parametrize("samples", [1, 4, 16])
+@pytest.mark.checks("plane.on", "plane.order1")
 def test_order_fractions_match_the_closed_form(samples, tolerance):
     gain = np.sinc(FREQUENCY) / np.sinc(FREQUENCY / samples) if samples > 1 else np.ones(6)
     energies = (AMPLITUDE * gain) ** 2
@@ -45,6 +46,7 @@ def test_the_closed_form_does_not_depend_on_how_long_a_clip_is(velocity, frames,
     assert sum(found.values()) == pytest.approx(1, abs=tolerance("rounding"))
 
 
+@pytest.mark.checks("plane.order1", "plane.order2")
 def test_orders_in_two_directions_are_told_apart(centres, tolerance):
     x, y = centres(140, 140)
     dx, dy = 23 / 32, 19 / 32
@@ -72,6 +74,7 @@ def test_orders_in_two_directions_are_told_apart(centres, tolerance):
         assert share == pytest.approx(expected.get(order, 0.0) / total, abs=tolerance("plane"))
 
 
+@pytest.mark.checks("plane.on", "plane.order1", "plane.order2", "plane.off")
 def test_noise_spreads_evenly_over_the_orders(tolerance):
     random = np.random.default_rng(8)
     frames = random.standard_normal((32, 110, 110, 3))

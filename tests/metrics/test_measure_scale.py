@@ -29,6 +29,7 @@ def pyramid(image, coverage=None):
     return clips
 
 
+@pytest.mark.checks("scale.rmse", "scale.self_rmse", "scale.mean_drift", "scale.highlight", "scale.slope")
 def test_ideal_pictures_score_nothing(large, tolerance):
     clips = pyramid(large)
     found = measure_scales(clips, clips, SCALES)
@@ -48,6 +49,7 @@ def test_what_is_not_covered_does_not_count(large, tolerance):
     assert found.scores["scale.rmse"] == pytest.approx(0, abs=tolerance("percent rounding"))
 
 
+@pytest.mark.checks("scale.rmse", "scale.mean_drift", "scale.slope")
 def test_a_drift_by_a_percent_an_octave_has_that_slope(large, tolerance):
     clips = pyramid(large)
     faded = [still(clip.image(0) * (1 + 0.01 * np.log2(s))) for clip, s in zip(clips, SCALES, strict=True)]

@@ -104,6 +104,7 @@ def test_a_camera_that_shakes_is_aligned_without_interpolation(texture, centres,
     assert "uniform" in found.absent["plane.on"]
 
 
+@pytest.mark.checks("budget.alignment_floor")
 def test_the_alignment_floor_is_told_for_motion_that_is_not_uniform(rotation, reference, alignment, tolerance):
     clip = Clip(reference.__getitem__, FRAMES, motion=rotation.motion, depth=lambda _: np.full((SIZE, SIZE), 7.0))
     found = measure(clip, names=["budget.alignment_floor"])

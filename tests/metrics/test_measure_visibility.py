@@ -42,6 +42,7 @@ def visible(contrast, **given):
 
 
 @pytest.mark.parametrize("motion", [(0.0, 0.0), (0.37, 0.0)])
+@pytest.mark.checks("visible.flicker")
 def test_a_swinging_grating_has_its_contrast_over_threshold(motion, tolerance):
     """cos cos is two waves that travel apart, each of half the contrast; the taper spreads them over three bins."""
     taper = np.sin(np.pi * (np.arange(SEGMENT) + 0.5) / SEGMENT) ** 2

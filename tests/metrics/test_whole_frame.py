@@ -60,11 +60,13 @@ def scores(error, names=("frame", "edges", "new", "measured"), **options):
     ],
     ids=["glued", "white noise", "noise", "screen-fixed", "blinking"],
 )
+@pytest.mark.checks("edges.flicker")
 def test_flicker_of_edges_tells_kinds_of_errors(error, least, most):
     found = scores(error).scores
     assert least <= found["edges.flicker"] / found["edges.mse"] <= most
 
 
+@pytest.mark.checks("frame.mse", "measured.fraction", "edges.fraction", "new.fraction", "edges.floor")
 def test_every_pixel_is_in_one_class_and_counts_once(tolerance):
     found = scores(white)
     parts = [found.scores[f"{name}.fraction"] for name in ("measured", "edges", "new")]
@@ -88,13 +90,15 @@ def test_the_map_has_every_pixel_in_a_class(tolerance):
     assert np.average(flicker, weights=shares["edges"]) == pytest.approx(found.scores["edges.flicker"], rel=0.1)
 
 
+@pytest.mark.checks("frame.mse", "edges.mse", "new.mse")
 def test_only_covered_pixels_count(tolerance):
     covered = np.zeros((HEIGHT, WIDTH))
     covered[:, :100] = 1.0
     covered[:, 100] = 0.5
     wrong = np.where(covered[..., None] > 0, 1.0, 50.0)
     found = scores(lambda t: wrong, coverage=lambda t: covered).scores
-    assert found["frame.mse"] == pytest.approx(0.01, rel=tolerance("mean of float32 squares"))
+    for name in ("frame.mse", "edges.mse", "new.mse"):
+        assert found[name] == pytest.approx(0.01, rel=tolerance("mean of float32 squares")), name
 
 
 def test_a_crawling_silhouette_flickers():

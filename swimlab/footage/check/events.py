@@ -5,9 +5,10 @@ from itertools import pairwise
 import numpy as np
 
 from swimlab.footage.check.grey import Frames
-from swimlab.footage.check.lucas_kanade import Values, mean_square
+from swimlab.footage.check.lucas_kanade import Values
 from swimlab.footage.check.pairs import PairFit
 from swimlab.footage.motion import EstimatedMotion, Points
+from swimlab.footage.warping import mean_square
 
 LEAST = 0.2
 """A pair moves if a quarter of its points goes this far, px."""

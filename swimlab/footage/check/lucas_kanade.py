@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 
 from swimlab.footage.check.grey import Grey
 from swimlab.footage.motion import Points
+from swimlab.footage.warping import mean_square
 
 Values = NDArray[np.float64]
-
-HIDDEN = 0.1
-"""Share of the points that may have come into view: what differs most is left out."""
 
 _ROUNDS = 5
 _STEP = 1.0
@@ -96,13 +94,6 @@ def fit_displacement(
 def sides(count: int) -> Values:
     """[2 (x, y), 2 (y, x), count]: the basis of a shift of all points."""
     return np.broadcast_to(np.array([[0.0, 1.0], [1.0, 0.0]])[:, :, None], (2, 2, count))
-
-
-def mean_square(differences: Values) -> float:
-    """Mean square of all but the largest differences."""
-    size = np.abs(differences)
-    kept = size[size <= np.quantile(size, 1 - HIDDEN)] if size.size else size
-    return float((kept**2).mean()) if kept.size else 0.0
 
 
 def _width(left: Values, telling: NDArray[np.bool_]) -> float:

@@ -6,8 +6,9 @@ from itertools import pairwise
 import numpy as np
 
 from swimlab.footage.check.grey import COLUMNS, ROWS, Frames
-from swimlab.footage.check.lucas_kanade import Values, fit_displacement, mean_square, sides
+from swimlab.footage.check.lucas_kanade import Values, fit_displacement, sides
 from swimlab.footage.motion import Motion
+from swimlab.footage.warping import mean_square
 
 FEWEST = 50
 """Points that must be seen in both frames."""

@@ -7,11 +7,11 @@ import numpy as np
 
 from swimlab.footage.check.events import find_cuts
 from swimlab.footage.check.grey import Frames
-from swimlab.footage.check.lucas_kanade import mean_square
 from swimlab.footage.check.pairs import PairFit, fit_pairs
 from swimlab.footage.check.verdict import Verification, events_said
 from swimlab.footage.check.weighing import POOR
 from swimlab.footage.motion import EstimatedMotion, UniformMotion
+from swimlab.footage.warping import mean_square
 from swimlab.runs.frames import Image
 
 MOVES = 0.5

@@ -41,13 +41,17 @@ class Verification:
             raise FrameError(f"--motion: {self.error}, or measure all the same with --motion-unverified")
 
     def entry(self, number: Callable[[int], int]) -> dict[str, Any]:
-        """What scores.json holds of it. number: of a frame, by its index."""
+        """What scores.json holds of it. number: of a frame, by its index.
+
+        unfit: blocks that do not fit as 1, a text a row; only where there are any.
+        """
         return {
             "verdict": self.verdict,
             "scale": list(self.scale),
             "residual": self.residual,
             "frames": [number(index) for index in self.frames],
             "unfit_fraction": self.region.fraction if self.region else 0.0,
+            **({"unfit": ["".join(map(str, row)) for row in self.region.blocks.astype(int)]} if self.region else {}),
             "jitter": self.jitter,
             "cuts": [number(index) for index in self.cuts],
             "repeated": [number(index) for index in self.repeated],

@@ -3,10 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import get_args
 
 import numpy as np
 
 from metrics.clip import WHOLE
+from swimlab.footage.convention import Direction
 from swimlab.footage.motion import EstimatedMotion, Motion, Points
 from swimlab.footage.warping import GIVEN, IDENTITY, Pair, Reading, Rival, grid, residuals_of
 from swimlab.runs.frames import Image
@@ -77,7 +79,7 @@ class Weighing:
             if rival.given >= NOTHING and rival.ratio < CLEAR and rival.residual <= POOR
         ]
         least = min((self.rivals[name].residual for name in winners), default=0.0)
-        near = [name for name in winners if self.rivals[name].residual <= least + min(_ALIKE, 0.2 * least + _ALIKE / 4)]
+        near = [name for name in winners if _as_good(self.rivals[name].residual, least)]
         return next((name for name in [*self.settings, IDENTITY] if name in near), "")
 
     def error(self) -> str:
@@ -99,10 +101,23 @@ class Weighing:
     def worth_naming(self) -> str:
         """The residuals of the given reading, none, and the best of the others."""
         residuals = self.residuals
-        named = [GIVEN, *({IDENTITY} & residuals.keys())]
-        others = residuals.keys() - named
+        named = [name for name in (GIVEN, IDENTITY) if name in residuals]
+        others = [name for name in residuals if name not in named]
         named += [min(others, key=lambda name: residuals[name])] if others else []
         return ", ".join(f"{name} {residuals[name]:.3f}" for name in named)
+
+    def undecided(self) -> str:
+        """What to say where vectors of the other direction fit as well as the given ones; else empty."""
+        near = [
+            name
+            for name in get_args(Direction)
+            if (rival := self.rivals.get(name)) and _as_good(rival.residual, rival.given)
+        ]
+        return f"{near[0]} vectors would fit as well, as the motion is too steady to tell" if near else ""
+
+
+def _as_good(residual: float, least: float) -> bool:
+    return residual <= least + min(_ALIKE, 0.2 * least + _ALIKE / 4)
 
 
 def weigh(

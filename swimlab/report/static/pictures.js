@@ -18,6 +18,16 @@ const encode = (linear) => {
   const c = Math.min(1, Math.max(0, linear));
   return Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
 };
+// What a code of a clip's pictures is in linear radiance; the last one is its lower bound.
+const radiances = [decode, (code) => { const y = decode(Math.min(code, 254.5)); return y / (1 - y); }]
+  .map((curve) => Float64Array.from({ length: 256 }, (_, code) => curve(code)));
+const radianceOf = (clip) => radiances[Number(data.clips[clip].wide)];
+// Views: how light, 0 and more, is brought to 0..1 before sRGB (Reinhard et al. 2002; Narkowicz 2016).
+const TONES = {
+  none: (light) => light,
+  reinhard: (light) => light / (1 + light),
+  aces: (light) => { const x = Math.min(light, 8); return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14); },
+};
 const errorOf = (code) => (code - data.error.steps - 1) / data.error.steps * data.error.range;
 
 function diverging(value) { // -1 is blue, 0 white, 1 red
@@ -127,8 +137,8 @@ function decodePicture(key, base64) {
 // ---- developing
 
 // A canvas ready to be drawn, or null as above. heat: 0 the picture, HEAT_OVER its error over it in grey, HEAT_ALONE.
-function develop(clip, technique, index, heat, exposure) {
-  const key = JSON.stringify([clip, technique, index, heat, heat === HEAT_ALONE ? 0 : exposure, "developed"]);
+function develop(clip, technique, index, heat, exposure, tone) {
+  const key = JSON.stringify([clip, technique, index, heat, ...(heat === HEAT_ALONE ? [] : [exposure, tone]), "developed"]);
   const done = recall(key);
   if (done) return done;
   const pixels = heat === HEAT_ALONE ? null : picture(clip, technique, index, false);
@@ -136,8 +146,9 @@ function develop(clip, technique, index, heat, exposure) {
   if ((heat && !errors) || (heat !== HEAT_ALONE && !pixels)) return null;
   const { width, height } = pixels ?? errors;
   const result = new ImageData(width, height);
-  if (heat) developError(errors.data, pixels?.data, result.data, heat, exposure);
-  else developPicture(pixels.data, result.data, exposure);
+  const table = developed(clip, exposure, tone);
+  if (heat) developError(errors.data, pixels?.data, result.data, heat, table);
+  else developPicture(pixels.data, result.data, table);
   const canvas = document.createElement("canvas");
   canvas.width = width;
   canvas.height = height;
@@ -146,10 +157,11 @@ function develop(clip, technique, index, heat, exposure) {
   return canvas;
 }
 
-const exposed = (exposure) => Uint8Array.from({ length: 256 }, (_, code) => encode(decode(code) * 2 ** exposure));
+// Codes to show of the codes of a clip's pictures.
+const developed = (clip, exposure, tone) =>
+  Uint8Array.from(radianceOf(clip), (radiance) => encode(TONES[tone](radiance * 2 ** exposure)));
 
-function developPicture(from, to, exposure) {
-  const table = exposed(exposure);
+function developPicture(from, to, table) {
   for (let i = 0; i < from.length; i += 4) {
     to[i] = table[from[i]];
     to[i + 1] = table[from[i + 1]];
@@ -158,8 +170,7 @@ function developPicture(from, to, exposure) {
   }
 }
 
-function developError(codes, from, to, heat, exposure) {
-  const table = exposed(exposure);
+function developError(codes, from, to, heat, table) {
   const outside = heat === HEAT_ALONE ? [...OUTSIDE, 1] : [0, 0, 0, 0];
   const colours = Array.from({ length: 256 }, (_, code) =>
     code === 0 ? outside : errorColour(errorOf(code) / data.error.range, heat));

@@ -13,7 +13,9 @@ function requestDraw() {
 }
 
 function draw() {
+  showBeside();
   fitScreen();
+  drawBeside();
   context.imageSmoothingEnabled = false;
   panels().forEach(([letter, technique, heat], i) => drawPanel(i, letter, technique, heat));
   describe();
@@ -39,7 +41,7 @@ function fitScreen() {
 function drawPanel(i, letter, technique, heat) {
   const at = layout();
   const [left, top] = at.place(i);
-  const canvas = develop(state.clip, technique, state.frame, heat, state.exposure);
+  const canvas = develop(state.clip, technique, state.frame, heat, state.exposure, state.tone);
   context.save();
   context.beginPath();
   const gap = panels().length > 1 ? 1 : 0;
@@ -49,22 +51,32 @@ function drawPanel(i, letter, technique, heat) {
   if (canvas) {
     context.drawImage(canvas, x, y, at.width * at.scale, at.height * at.scale);
     if (at.scale >= READABLE) drawNumbers(at, technique, heat, x, y);
+    outlineDetail(at, x, y);
     markPixel(at, x, y);
   }
   const lost = !canvas && [false, true].some((map) => failed.has(keyOf(state.clip, technique, state.frame, map)));
-  label([letter, technique, HEAT_NAMES[heat], lost ? "cannot be loaded" : canvas ? "" : "loading…"], left, top);
+  label(context, [letter, technique, HEAT_NAMES[heat], lost ? "cannot be loaded" : canvas ? "" : "loading…"], left, top);
   context.restore();
 }
 
-function label(parts, left, top) {
+function label(brush, parts, left, top) {
   const text = parts.filter(Boolean).join("  ");
-  context.font = "600 14px system-ui, sans-serif";
-  context.textAlign = "left";
-  context.textBaseline = "alphabetic";
-  context.fillStyle = "#000a";
-  context.fillRect(left + 6, top + 6, context.measureText(text).width + 12, 22);
-  context.fillStyle = "#fff";
-  context.fillText(text, left + 12, top + 22);
+  brush.font = "600 14px system-ui, sans-serif";
+  brush.textAlign = "left";
+  brush.textBaseline = "alphabetic";
+  brush.fillStyle = "#000a";
+  brush.fillRect(left + 6, top + 6, brush.measureText(text).width + 12, 22);
+  brush.fillStyle = "#fff";
+  brush.fillText(text, left + 12, top + 22);
+}
+
+function outlineDetail(at, x, y) {
+  const detail = detailBeside();
+  if (!detail) return;
+  const [left, top, width, height] = detail.region.map((px) => px / clip().shrunk * at.scale);
+  context.lineWidth = 2;
+  context.strokeStyle = "#ffaa00";
+  context.strokeRect(x + left, y + top, width, height);
 }
 
 function markPixel(at, x, y) { // the same pixel in every panel
@@ -86,8 +98,9 @@ function drawNumbers(at, technique, heat, x, y) { // radiance R, G, B, or the er
   context.font = `${size}px ui-monospace, monospace`;
   context.textAlign = "center";
   context.textBaseline = "middle";
+  const table = developed(state.clip, state.exposure, state.tone);
   const isBright = (code) => (heat === HEAT_ALONE ? Math.abs(errorOf(code)) < 0.6 * data.error.range
-    : heat === 0 && decode(code) * 2 ** state.exposure > 0.25);
+    : heat === 0 && table[code] > 137); // sRGB of a quarter
   const range = (start, end, count) => [Math.max(0, Math.floor(start)), Math.min(count, Math.ceil(end))];
   const [first, last] = range(-x / at.scale, (screen.clientWidth - x) / at.scale, at.width);
   const [upper, lower] = range(-y / at.scale, (screen.clientHeight - y) / at.scale, at.height);
@@ -105,7 +118,10 @@ function drawNumbers(at, technique, heat, x, y) { // radiance R, G, B, or the er
 
 // ---- words
 
-const radianceText = (code) => (code === 255 ? "≥1" : decode(code).toFixed(3));
+function radianceText(code) { // of the pictures of this clip
+  const radiance = radianceOf(state.clip)[code];
+  return code === 255 ? `≥${radiance.toPrecision(3).replace(/\.0*$/, "")}` : radiance.toFixed(radiance < 10 ? 3 : 0);
+}
 
 function errorText(code) {
   if (code === 0) return "–";
@@ -125,7 +141,7 @@ function describe() {
     state.message,
   ].filter(Boolean).join(" · ");
   element("frame-number").textContent = clip().frames[state.frame];
-  for (const [id, key] of [["clip", "clip"], ["a", "a"], ["b", "b"], ["frame", "frame"], ["fps", "fps"]]) {
+  for (const [id, key] of [["clip", "clip"], ["a", "a"], ["b", "b"], ["frame", "frame"], ["fps", "fps"], ["tone", "tone"]]) {
     if (document.activeElement !== element(id) || id !== "fps") element(id).value = state[key];
   }
   const pressed = { flip: state.flipped, split: state.split, heat: state.heat > 0, play: state.playing };
@@ -143,16 +159,17 @@ function readout() { // values of the pixel under the pointer, of A, B and the r
 }
 
 function pixelLines(column, row) {
-  const [x0, y0] = clip().origin;
+  const [x0, y0] = clip().region ?? [0, 0], by = clip().shrunk;
   const place = 4 * (row * layout().width + column);
-  const lines = [`pixel (${x0 + column}, ${y0 + row})`];
+  const lines = [`pixel (${x0 + by * column}, ${y0 + by * row})` + (by > 1 ? `, mean of ${by}x${by}` : "")];
   for (const name of new Set([state.a, state.b, data.reference])) {
     const pixels = picture(state.clip, name, state.frame, false);
     if (!pixels) continue;
     const codes = Array.from(pixels.data.slice(place, place + 3));
     const errors = picture(state.clip, name, state.frame, true);
     lines.push([
-      name.padEnd(16), `radiance ${codes.map(radianceText).join(" ")}`, `sRGB ${codes.join(" ")}`,
+      name.padEnd(16), `radiance ${codes.map(radianceText).join(" ")}`,
+      `sRGB ${codes.map((code) => encode(radianceOf(state.clip)[code])).join(" ")}`,
       errors ? `error ${errorText(errors.data[place])}` : "",
     ].join("  ").trimEnd());
   }

@@ -5,7 +5,7 @@ const screen = element("screen");
 
 const state = {
   clip: 0, a: "", b: "", frame: 0, flipped: false, split: false, heat: 0, holding: false,
-  exposure: 0, zoom: 1, x: 0.5, y: 0.5, playing: false, fps: 60, message: "",
+  exposure: 0, tone: "none", zoom: 1, x: 0.5, y: 0.5, playing: false, fps: 60, message: "",
 };
 
 const clip = () => data.clips[state.clip];
@@ -71,7 +71,7 @@ function writeAddress() { // at rest: browsers object to pages that change their
   writing = setTimeout(() => {
     const view = new URLSearchParams({
       clip: state.clip, a: state.a, b: state.b, frame: clip().frames[state.frame], flip: Number(state.flipped),
-      split: Number(state.split), heat: state.heat, ev: state.exposure,
+      split: Number(state.split), heat: state.heat, ev: state.exposure, tone: state.tone,
       zoom: state.zoom.toFixed(2), x: state.x.toFixed(4), y: state.y.toFixed(4), fps: state.fps,
     });
     history.replaceState(null, "", "#" + view);
@@ -84,7 +84,7 @@ function readAddress() {
     const n = parseFloat(view.get(key));
     if (Number.isFinite(n)) state[name] = Math.min(high, Math.max(low, n));
   };
-  if (!view.has("clip") && !state.a) state.clip = data.first;
+  if (!view.has("clip") && !state.a) Object.assign(state, { clip: data.first, tone: data.clips[data.first].tone });
   value("clip", 0, data.clips.length - 1);
   chooseClip(Math.floor(state.clip));
   for (const key of ["a", "b"]) if (clip().techniques.includes(view.get(key))) state[key] = view.get(key);
@@ -93,6 +93,7 @@ function readAddress() {
   state.split = view.get("split") === "1";
   state.heat = Math.max(0, ["0", "1", "2"].indexOf(view.get("heat")));
   value("ev", -8, 8, "exposure");
+  if (view.get("tone") in TONES) state.tone = view.get("tone");
   value("zoom", 1, largestZoom());
   value("x", 0, 1);
   value("y", 0, 1);

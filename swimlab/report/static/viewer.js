@@ -17,11 +17,11 @@ function moveView(dx, dy) {
   pan(dx * PAN / scale, dy * PAN / scale);
 }
 
-function worstIn(clips) { // [clip, frame] where A errs most, by place
-  let most = null, error = -1;
+function worstIn(clips) { // [clip, frame] where A errs most, by place, or changes most without a reference
+  let most = null, largest = -1;
   for (const i of clips) {
-    (data.clips[i].mse[state.a] ?? []).forEach((mse, frame) => {
-      if (mse !== null && mse > error) [most, error] = [[i, frame], mse];
+    (data.clips[i].squared[state.a] ?? []).forEach((squared, frame) => {
+      if (squared !== null && squared > largest) [most, largest] = [[i, frame], squared];
     });
   }
   return most;
@@ -30,15 +30,15 @@ function worstIn(clips) { // [clip, frame] where A errs most, by place
 function goToWorst(clips) {
   const found = worstIn(clips);
   if (!found) {
-    state.message = `the error of ${state.a} by frame is not known here`;
+    state.message = `the ${clip().is} of ${state.a} by frame is not known here`;
     return;
   }
   if (found[0] !== state.clip) chooseClip(found[0]);
   state.frame = found[1];
   state.flipped = false;
   const here = clip().frames[state.frame], worst = clip().worst[state.a];
-  const rms = Math.sqrt(clip().mse[state.a][state.frame]).toFixed(3);
-  state.message = `${state.a}: rms error ${rms}, ` +
+  const rms = Math.sqrt(clip().squared[state.a][state.frame]).toPrecision(3);
+  state.message = `${state.a}: rms ${clip().is} ${rms}, ` +
     (here === worst ? "its worst frame" : `the worst in here; its worst of all is frame ${worst}`);
 }
 
@@ -57,7 +57,7 @@ const actions = {
   darker() { state.exposure = Math.max(-8, state.exposure - 0.5); },
   closer() { zoomMiddle(2 ** 0.5); },
   farther() { zoomMiddle(0.5 ** 0.5); },
-  reset() { Object.assign(state, { exposure: 0, zoom: 1, x: 0.5, y: 0.5 }); },
+  reset() { Object.assign(state, { exposure: 0, tone: clip().tone, zoom: 1, x: 0.5, y: 0.5 }); },
   nextA() { stepTechnique("a", 1); },
   previousA() { stepTechnique("a", -1); },
   nextB() { stepTechnique("b", 1); },
@@ -70,6 +70,10 @@ const actions = {
     element("help").showModal();
     element("help").scrollTop = 0;
   },
+  loop() {
+    loop.running = !loop.running;
+    if (loop.running) loopBeside();
+  },
   play() {
     state.playing = !state.playing && clip().frames.length > 1;
     if (state.playing) play();
@@ -79,34 +83,48 @@ const actions = {
 
 const KEYS = {
   " ": "flip", s: "split", h: "heat", ArrowLeft: "previous", ArrowRight: "next", w: "worst", "shift w": "worstOfAll",
-  p: "play", "+": "brighter", "shift +": "brighter", "=": "brighter", "-": "darker", z: "closer", x: "farther",
+  p: "play", d: "loop", "+": "brighter", "shift +": "brighter", "=": "brighter", "-": "darker", z: "closer", x: "farther",
   0: "reset", n: "nextA", "shift n": "previousA", m: "nextB", "shift m": "previousB", "?": "help", "shift ?": "help",
   "shift ArrowLeft": "left", "shift ArrowRight": "right", "shift ArrowUp": "up", "shift ArrowDown": "down",
 };
 
 // ---- playing: the frame that is due by the clock; it waits for pictures that are still being loaded
 
-let runs = 0;
-function play() {
-  const run = ++runs;
+function playFrames({ running, next, fps, isReady, show }) { // next: how many are due -> the frame to show
   let shownAt = performance.now();
   const tick = (now) => {
-    if (!state.playing || run !== runs) return;
-    const due = Math.floor((now - shownAt) / 1000 * state.fps + 0.1);
-    const next = (state.frame + due) % clip().frames.length;
-    if (due > 0 && isReady(next)) {
-      state.frame = next;
-      shownAt += due / state.fps * 1000;
-      requestDraw();
-    } else if (due > 0) shownAt = now - 1000 / state.fps;
+    if (!running()) return;
+    const due = Math.floor((now - shownAt) / 1000 * fps() + 0.1);
+    const index = due > 0 ? next(due) : null;
+    if (due > 0 && index !== null && isReady(index)) {
+      shownAt += due / fps() * 1000;
+      show(index);
+    } else if (due > 0) shownAt = now - 1000 / fps();
     requestAnimationFrame(tick);
   };
   requestAnimationFrame(tick);
 }
 
-function isReady(index) {
-  return panels().every(([, name, heat]) => [heat < HEAT_ALONE, heat > 0].every((wanted, map) =>
-    !wanted || picture(state.clip, name, index, map > 0) || failed.has(keyOf(state.clip, name, index, map > 0))));
+let runs = 0;
+function play() {
+  const run = ++runs;
+  playFrames({
+    running: () => state.playing && run === runs,
+    next: (due) => (state.frame + due) % clip().frames.length,
+    fps: () => state.fps,
+    isReady,
+    show: (index) => {
+      state.frame = index;
+      requestDraw();
+    },
+  });
+}
+
+const isReady = (index) => panels().every(([, name, heat]) => isLoaded(state.clip, name, index, heat));
+
+function isLoaded(place, name, index, heat) { // or cannot be
+  return [heat < HEAT_ALONE, heat > 0].every((wanted, map) =>
+    !wanted || picture(place, name, index, map > 0) || failed.has(keyOf(place, name, index, map > 0)));
 }
 
 // ---- listening
@@ -161,6 +179,7 @@ function listen() {
     chooseClip(Number(value));
     screen.scrollIntoView({ block: "nearest" }); // all of it: the upper part of a whole picture is often sky
   });
+  element("tone").onchange = chosen((value) => { state.tone = value; });
   for (const letter of ["a", "b"]) element(letter).onchange = chosen((value) => chooseTechnique(letter, value));
   element("frame").oninput = chosen((value) => { state.frame = Number(value); });
   element("fps").onchange = chosen((value) => {
@@ -182,13 +201,17 @@ function listen() {
   window.addEventListener("hashchange", () => {
     if (!location.hash.includes("=")) return; // a place on the page, not a view
     readAddress();
+    screen.scrollIntoView({ block: "nearest" });
     requestDraw();
   });
   listenToPointer();
+  listenBeside();
 }
 
 if (data.clips.length) {
   options(element("clip"), data.clips.map((item) => item.name));
+  const views = { none: "clipped", reinhard: "Reinhard", aces: "ACES fit" };
+  element("tone").replaceChildren(...Object.entries(views).map(([tone, name]) => new Option(name, tone)));
   for (const text of ["≤ −1", "−½", "0", "+½", "≥ +1"]) {
     const tick = text.replace("1", data.error.range).replace("½", data.error.range / 2);
     element("legend-ticks").append(Object.assign(document.createElement("span"), { textContent: tick }));

@@ -243,7 +243,7 @@ CASES = {
     ),
     "motion with words": (nothing, (*TEST, "--motion", "fast"), "fast: no such file"),
     "motion that is no number": (nothing, (*TEST, "--motion", "1.2.3,0"), "give dx,dy in px a frame"),
-    "motion as a video": (nothing, (*TEST, "--motion", "mv.mp4"), "a video holds no motion vectors"),
+    "motion as a video": (lambda: Path("v.mp4").touch(), (*TEST, "--motion", "v.mp4"), "video holds no motion"),
     "one motion channel": (nothing, (*TEST, "--motion-channels", "X"), "--motion-channels X: give two, x,y"),
     "a motion scale of 0": (nothing, (*TEST, "--motion-scale", "0"), "--motion-scale 0: give a factor other than 0"),
     "an unknown convention": (nothing, (*TEST, "--motion-convention", "maya"), "maya"),

@@ -126,7 +126,7 @@ def test_runs_have_a_folder_by_default(swimlab, tiny, tmp_path):
 REFUSED = {
     "an unknown sequence": (["render", "road-shfit"], "road-shfit: no such sequence (did you mean 'road-shift'?"),
     "a missing file": (["render", "nowhere.toml"], "nowhere.toml: cannot be read"),
-    "an unknown technique": (["render", "road-shift", "-t", "tls"], "-t tls: did you mean 'tsl'?"),
+    "an unknown technique": (["render", "road-shift", "-t", "tls"], "-t tls: names no technique; did you mean 'tsl'?"),
     "no technique": (["render", "road-shift", "-t", ","], "-t ,: there are"),
     "no size": (["render", "road-shift", "--size", "640"], "--size 640: write WIDTHxHEIGHT"),
     "a size without number": (["render", "road-shift", "--size", "axb"], "--size axb: write WIDTHxHEIGHT"),
@@ -226,6 +226,37 @@ def test_the_schema_is_json(swimlab):
     schema = json.loads(out)
     assert schema["$schema"].startswith("https://json-schema.org/")
     assert set(schema["properties"]["techniques"]["properties"]) == set(techniques())
+
+
+@pytest.mark.parametrize(
+    ("kind", "required"),
+    [
+        ("sequence", {"version", "name"}),
+        ("shot", {"version", "name", "builds"}),
+        ("gate", {"version", "rule"}),
+        ("sweep", {"version", "name", "sequences", "techniques"}),
+    ],
+)
+def test_every_kind_of_file_has_a_schema_whose_keys_are_all_explained(swimlab, kind, required):
+    code, out, _ = swimlab("schema", kind)
+    assert code == 0
+    described = json.loads(out)
+    assert required <= set(described["required"])
+    for table in (described, *described["$defs"].values()) if "$defs" in described else (described,):
+        for key, value in table.get("properties", {}).items():
+            assert "description" in value or "$ref" in value or "description" in str(value), (kind, key)
+
+
+def test_a_gate_files_schema_takes_what_a_gate_file_takes():
+    """As an editor would: shares, amounts and both."""
+    from jsonschema import Draft202012Validator
+
+    from swimlab.gate.rules import gate_schema
+
+    validator = Draft202012Validator(gate_schema())
+    for given, good in (("5%", True), (0.001, True), (["5%", 0.001], True), (-1, False), ("five", False), ([], False)):
+        gate = {"version": 1, "baseline": {"file": "a.json"}, "rule": [{"metric": "*", "max_increase": given}]}
+        assert validator.is_valid(gate) == good, given
 
 
 @pytest.mark.parametrize(

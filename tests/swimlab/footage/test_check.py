@@ -18,10 +18,10 @@ HEIGHT, WIDTH, COUNT = 96, 128, 16
 def surface(dx=0.0, dy=0.0, seed=1):
     """[H, W, 3]: waves of up to .2 cycles/px, exact at any place: rms .15 about .5."""
     random = np.random.default_rng(seed)
-    y, x = np.mgrid[:HEIGHT, :WIDTH]
     frequency, angle, phase = random.uniform(0.01, 0.2, 40), *random.uniform(0, 2 * np.pi, (2, 40))
-    along = (x - dx)[..., None] * np.cos(angle) + (y - dy)[..., None] * np.sin(angle)
-    waves = np.cos(2 * np.pi * frequency * along + phase).sum(axis=2)
+    across = np.exp(2j * np.pi * frequency * np.cos(angle) * (np.arange(WIDTH)[:, None] - dx) + 1j * phase)
+    down = np.exp(2j * np.pi * frequency * np.sin(angle) * (np.arange(HEIGHT)[:, None] - dy))
+    waves = (down @ across.T).real
     return np.repeat(np.maximum(0.5 + 0.15 * waves / np.sqrt(20), 0.01)[..., None], 3, axis=2)
 
 
@@ -270,6 +270,7 @@ def test_what_is_wrong_stands_in_scores_with_a_picture(swimlab, tmp_path):
     assert entry["verdict"] == "wrong"
     assert entry["scale"] == [pytest.approx(1, abs=0.01), None]
     assert 0.4 < entry["unfit_fraction"] < 0.6
+    assert [row.count("1") for row in entry["unfit"]] == 4 * [12] + 4 * [0]
     assert (entry["frames"], entry["jitter"], entry["cuts"], entry["repeated"]) == ([], 0.0, [], [])
 
 
@@ -329,3 +330,21 @@ def test_shots_of_one_frame_are_doubted():
     found = check(uniform((1.0, 0.0)), [surface(seed=1), surface(seed=2)])
     assert found.verdict == "unchecked"
     assert found.doubt
+
+
+@pytest.mark.parametrize(("change", "said"), [(0.0, True), (0.2, False)])
+def test_a_direction_that_steady_motion_does_not_tell_is_said(change, said):
+    """Vectors of frame t hold the step from t - 1; read as forward, those of the next frame do."""
+    steps = [1.5 + change * t for t in range(COUNT)]
+
+    class Told(Vectors):
+        def variants(self):
+            later = [*fields_of(steps[1:]), self._fields[-1]]
+            return {"forward": ("--motion-direction forward", Vectors(later))}
+
+    def fields_of(speeds):
+        return [np.full((HEIGHT, WIDTH, 2), (speed, 0.0)) for speed in speeds]
+
+    found = check(Told(fields_of(steps)), [surface(place) for place in np.cumsum(steps)])
+    assert found.verdict == "verified"
+    assert ("forward vectors would fit as well" in found.note) == said

@@ -7,7 +7,9 @@ import pytest
 from swimlab.footage.channels import find_colour, find_pair
 from swimlab.footage.header import Header, Part, read_header
 from swimlab.footage.reader import open_frames
+from swimlab.footage.request import Request
 from swimlab.footage.source import Look, Source
+from swimlab.footage.subject import Subject
 from swimlab.runs.frames import FrameError
 
 CHANNELS = ("R", "G", "B")
@@ -112,3 +114,23 @@ def test_a_moving_picture_is_refused_as_a_still_one(tmp_path):
     output.close()
     with pytest.raises(FrameError, match="is a moving picture"):
         read_header(tmp_path / "a.gif")
+
+
+@pytest.mark.parametrize(("aspect", "said"), [(1.0, ""), (1.0004, ""), (2.0, "2 times as wide as high")])
+def test_pixels_that_are_not_square_are_told(tmp_path, swimlab, aspect, said):
+    spec = flat_spec()
+    spec.attribute("PixelAspectRatio", aspect)
+    for t in range(2):
+        output = oiio.ImageOutput.create(str(tmp_path / f"a.{t}.exr"))
+        assert output.open(str(tmp_path / f"a.{t}.exr"), spec)
+        output.write_image(np.ones((HEIGHT, WIDTH, 3), np.float32))
+        output.close()
+    assert read_header(tmp_path / "a.0.exr").oblong == said
+    notes = []
+    Subject(Request(test=str(tmp_path / "a.%d.exr")), notes.append, notes.append)
+    assert any("its pixels are" in note for note in notes) == bool(said)
+    if said:
+        code, _, err = swimlab("measure", "--test", tmp_path / "a.%d.exr", "--pixels-per-degree", 40)
+        assert code == 2
+        assert "--pixels-per-degree: " in err
+        assert f"has pixels {said}, so that no one number holds" in err

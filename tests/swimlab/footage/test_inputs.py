@@ -203,3 +203,37 @@ def test_options_of_what_is_not_given_are_refused(swimlab, clip):
     assert (code, "has no alpha" in err) == (2, True)
     code, _, err = swimlab("measure", "--test", test, "--colorspace", "ACESgc")
     assert (code, "--colorspace ACESgc: " in err and "ACEScg" in err) == (2, True)
+
+
+def test_a_mask_has_a_channel_and_a_part_of_its_own(clip, tmp_path):
+    test = clip("test", rgb(GREY))
+    left = np.zeros((HEIGHT, WIDTH), np.float32)
+    left[:, : WIDTH // 2] = 1
+    mask = tmp_path / "mask.exr"
+    write(mask, {"Y": np.ones_like(left)}, {"Y": 1 - left, "inside": left, None: {"oiio:subimagename": "mattes"}})
+    for own, there in (
+        ({}, np.ones_like(left)),
+        ({"mask_channels": "inside"}, left),
+        ({"mask_part": "mattes"}, 1 - left),
+        ({"mask_part": "mattes", "mask_channels": "inside"}, left),
+    ):
+        assert np.array_equal(subject(test, mask=str(mask), **own).mask.coverage(0), there)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--mask", "mask.exr", "--mask-channels", "A"), "--mask-channels A: mask.exr has Y; name one of them"),
+        (("--mask", "mask.exr", "--mask-part", "none"), "--mask-part none: mask.exr has the parts"),
+        (("--mask-part", "0"), "--mask-part: is for an input that is not given; give --mask"),
+        (("--motion", "1,0", "--motion-mask-channels", "A"), "give --motion-mask, or leave it out"),
+        (("--depth-part", "0"), "give --depth, or leave it out"),
+        (("--depth", "z.####.exr", "--depth-channels", "Z"), "It has Y; name one with --depth-channels"),
+        (("--depth", "z.####.exr", "--depth-part", "none"), "--depth-part none: z.####.exr has the parts"),
+    ],
+)
+def test_channels_and_parts_of_masks_that_are_not_there_are_refused(swimlab, clip, tmp_path, words, said):
+    clip("z", {"Y": GREY})
+    write(tmp_path / "mask.exr", {"Y": GREY})
+    code, _, err = swimlab("measure", "--test", clip("test", rgb(GREY)), *words)
+    assert (code, said in err) == (2, True), err

@@ -189,7 +189,7 @@ def test_a_rendered_run_is_not_written_over(swimlab, shot):
     code, _, err = swimlab("study", shot / "shot.toml", "-o", shot / "road")
     assert (code, "holds a rendered run" in err) == (2, True)
     code, _, err = swimlab("study", shot / "shot.toml", "--size", "64x64", "-o", shot / "run")
-    assert (code, "--size: renders" in err) == (2, True)
+    assert (code, "--size: is for rendering" in err) == (2, True)
 
 
 def test_a_drafted_shot_file_is_measured_as_it_is(swimlab, shot):
@@ -203,12 +203,6 @@ def test_a_drafted_shot_file_is_measured_as_it_is(swimlab, shot):
     assert (code, "is there already" in err) == (2, True)
 
 
-def test_the_schema_has_shot_files(swimlab):
-    code, out, _ = swimlab("schema", "shot")
-    assert code == 0
-    assert set(json.loads(out)["required"]) == {"version", "name", "builds"}
-
-
 def test_depth_splits_scores_into_bands(swimlab, shot):
     """Where all is far, the far band's score is the whole score."""
     far = np.full((HEIGHT, WIDTH, 1), 100, np.float32)
@@ -220,6 +214,10 @@ def test_depth_splits_scores_into_bands(swimlab, shot):
     assert code == 0, err
     scores = entries(shot / "deep")["blink"]["scores"]
     assert scores["budget.flicker.far"] == scores["budget.flicker"] > 0
+    words = ("--test", shot / "blink", "--reference", shot / "ref", "--motion=-1.25,0.625", "--depth", shot / "depth")
+    code, out, err = swimlab("measure", *words, "--json", "-q")
+    assert code == 0, err
+    assert json.loads(out)["sequences"][0]["scores"]["budget.flicker.far"] == scores["budget.flicker.far"]
 
 
 def test_a_study_of_two_shots_keeps_each_ones_settings(swimlab, shot):

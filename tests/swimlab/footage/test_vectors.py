@@ -237,3 +237,12 @@ def test_sizes_of_upscalers_are_of_one_view(tmp_path, size):
     write(tmp_path / "mv", lambda t: np.zeros((size[1], size[0], 2)), ("X", "Y"), count=2)
     subject, _ = subject_of(tmp_path / "calm", tmp_path / "mv", unverified=True)
     assert subject.motion.moved(1, 0).shape == (1080, 1920, 2)
+
+
+def test_a_mask_of_vectors_has_a_channel_of_its_own(frames, tmp_path):
+    valid = np.ones((HEIGHT, WIDTH, 2))
+    valid[:, :10, 1] = 0
+    mask = write(tmp_path / "valid", lambda t: valid, ("Y", "ok")) / "0000.exr"
+    motion = write(tmp_path / "mv", moved, ("X", "Y"))
+    subject, _ = subject_of(frames, motion, motion_mask=str(mask), motion_mask_channels="ok")
+    assert np.array_equal(subject.clips()[0].coverage(2), valid[..., 1])

@@ -12,9 +12,11 @@ from swimlab.footage.reader import open_frames
 from swimlab.footage.request import Request
 from swimlab.footage.source import Look, Source
 from swimlab.footage.subject import Subject
+from swimlab.footage.upright import upright
 from swimlab.footage.video_times import even_times
-from swimlab.runs.frames import FrameError
+from swimlab.runs.frames import FrameError, write_channels
 
+pytestmark = pytest.mark.may_skip("CI does not install the extra video, whose libraries are large")
 with_av = pytest.mark.skipif(find_spec("av") is None, reason="needs the extra `video` (PyAV)")
 
 
@@ -132,28 +134,85 @@ def test_a_transfer_that_is_not_known_is_refused_by_name(codes):
         Source(open_frames(codes([0.5] * 2, color_trc=10, color_primaries=9, colorspace=9)), Look())
 
 
+MATRICES = {
+    "as it is": (1, 0, 0, 1),
+    "turned left": (0, -1, 1, 0),
+    "turned right": (0, 1, -1, 0),
+    "upside down": (-1, 0, 0, -1),
+    "left to right": (-1, 0, 0, 1),
+    "top to bottom": (1, 0, 0, -1),
+    "over the diagonal": (0, 1, 1, 0),
+    "over the other diagonal": (0, -1, -1, 0),
+}
+"""a, b, c, d of libavutil/display.h."""
+
+
+def full_matrix(a, b, c, d):
+    return [a << 16, b << 16, 0, c << 16, d << 16, 0, 0, 0, 1 << 30]
+
+
+@pytest.mark.parametrize("how", MATRICES)
+def test_a_display_matrix_takes_every_pixel_to_its_place(how):
+    a, b, c, d = MATRICES[how]
+    stored = np.arange(12).reshape(3, 4)
+    points = {(a * p + c * q, b * p + d * q): stored[q, p] for q in range(3) for p in range(4)}
+    columns, rows = (sorted({point[axis] for point in points}) for axis in (0, 1))
+    seen = upright(full_matrix(*MATRICES[how]))
+    assert seen.of(stored).tolist() == [[points[column, row] for column in columns] for row in rows]
+    assert seen.across == (a == 0)
+
+
+def test_a_turn_that_is_no_quarter_is_refused():
+    with pytest.raises(ValueError, match="no quarter"):
+        upright([46341, 46341, 0, -46341, 46341, 0, 0, 0, 1 << 30])
+
+
 @with_av
-@pytest.mark.parametrize("turn", [90, 180, 270])
-def test_a_turned_video_is_shown_upright(tmp_path, turn):
+@pytest.mark.parametrize("how", ["as it is", "turned left", "left to right", "over the diagonal"])
+def test_a_turned_or_mirrored_video_is_shown_upright(tmp_path, how):
     import av
 
-    upright = np.zeros((48, 64, 3), np.uint8)
-    upright[:16, :16], upright[:16, 48:] = 255, 128
+    stored = np.zeros((48, 64, 3), np.uint8)
+    stored[:16, :16], stored[:16, 48:] = 255, 128
     path = tmp_path / "turned.mp4"
     with av.open(str(path), "w") as container:
-        stored = np.ascontiguousarray(np.rot90(upright, -turn // 90))
         stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0"})
         stream.height, stream.width, stream.pix_fmt = *stored.shape[:2], "rgb24"
-        if not hasattr(stream, "set_display_rotation"):
-            pytest.skip("needs a PyAV that writes how a video is turned")
-        stream.set_display_rotation(turn)
+        if not hasattr(stream, "set_display_matrix"):
+            pytest.skip("needs a PyAV that writes how a video is turned: 18.1")
+        stream.set_display_matrix(full_matrix(*MATRICES[how]))
         for _ in range(2):
             container.mux(stream.encode(av.VideoFrame.from_ndarray(stored, format="rgb24")))
         container.mux(stream.encode())
     reader = open_frames(str(path))
-    assert reader.header.size == (64, 48)
-    shown = reader.read(0, 0, ("R", "G", "B"))
-    assert np.array_equal(np.round(shown * 255), upright)
+    seen = upright(full_matrix(*MATRICES[how])).of(stored)
+    assert reader.header.size == seen.shape[1::-1]
+    assert np.array_equal(np.round(reader.read(0, 0, ("R", "G", "B")) * 255), seen)
+
+
+@with_av
+def test_pixels_that_are_not_square_are_told(tmp_path, swimlab):
+    frame = b"FRAME\n" + bytes([99]) * 3072 * 3
+    (tmp_path / "a.y4m").write_bytes(b"YUV4MPEG2 W64 H48 F30:1 Ip A3:2 C444\n" + 2 * frame)
+    code, out, _ = swimlab("info", tmp_path / "a.y4m")
+    assert code == 0
+    assert "64x48, pixels 1.5 times as wide as high" in out
+
+
+@with_av
+def test_vectors_beside_a_film_of_uneven_times_are_one_a_time(codes, tmp_path, swimlab):
+    """One file a frame is refused by name."""
+    name = codes((0.1, 0.2, 0.4, 0.5), (0, 1, 3, 4))
+    still = np.zeros((48, 64, 2), np.float32)
+    for t in range(4):
+        write_channels(tmp_path / f"v.{t}.exr", still, ("X", "Y"), half=False, metadata={})
+    words = ("measure", "--test", name, "--motion", tmp_path / "v.%d.exr", "--motion-unverified", "--json")
+    code, _, err = swimlab(*words)
+    assert code == 2
+    assert "has 4 frames (0-3), the test as many, at uneven times, which number them to 4: give one a time" in err
+    write_channels(tmp_path / "v.4.exr", still, ("X", "Y"), half=False, metadata={})
+    request = Request(test=name, motion=str(tmp_path / "v.%d.exr"), unverified=True)
+    assert Subject(request, lambda _: None, lambda _: None).kept == [0, 1, 3, 4]
 
 
 @with_av

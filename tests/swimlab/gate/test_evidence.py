@@ -9,7 +9,8 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from gate_files import HASH, entry, write_gate, write_scores
 
-from swimlab.gate.evidence import ENLARGED, GAP, HEADER, SIDE, worst_frame
+from swimlab.gate.evidence import ENLARGED, GAP, HEADER, worst_frame
+from swimlab.report.worst import SIDE
 from swimlab.runs.entries import read_entries
 from swimlab.runs.frames import frame_path, write_frame
 from swimlab.runs.record import Record
@@ -137,7 +138,7 @@ def test_the_fixture_fails_where_the_gate_cannot_run(swimlab_gate, run, tmp_path
 
 def test_the_fixture_fails_for_an_unknown_technique(swimlab_gate, tmp_path):
     path = write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
-    with pytest.raises(pytest.fail.Exception, match="technique 'tls': there are"):
+    with pytest.raises(pytest.fail.Exception, match="technique 'tls': is not known; there are"):
         swimlab_gate("road-shift", path, techniques=["tls"])
 
 

@@ -9,11 +9,15 @@ from metrics import Clip, ClipError
 from swimlab.scoring.peer import PeerError
 from swimlab.scoring.peer_scores import peer_scores, peers
 
+pytestmark = pytest.mark.may_skip("CI does not install the extras flip and vdp, of which one brings PyTorch")
 needs_flip = pytest.mark.skipif(
     importlib.util.find_spec("flip_evaluator") is None, reason="flip-evaluator is not installed: extra 'flip'"
 )
 needs_vdp = pytest.mark.skipif(
     importlib.util.find_spec("pycvvdp") is None, reason="cvvdp is not installed: extra 'vdp'"
+)
+needs_vmaf = pytest.mark.skipif(
+    importlib.util.find_spec("imageio_ffmpeg") is None, reason="imageio-ffmpeg is not installed: extra 'vmaf'"
 )
 FLIPS = [pytest.param("flip", marks=needs_flip), "flip-oiio"]
 COLOURS = {"black": (0, 0, 0), "white": (1, 1, 1), "red": (1, 0, 0), "green": (0, 1, 0), "blue": (0, 0, 1)}
@@ -51,11 +55,23 @@ def test_equal_clips_are_of_the_best_quality():
     assert peer_scores("vdp", uniform("red", 8), uniform("red", 8)) == {"vdp.jod": 10.0}
 
 
+@needs_vmaf
+def test_vmaf_falls_with_noise():
+    """Equal clips have nearly 100: the model is fitted, not exact."""
+    noise = np.random.default_rng(0).standard_normal((4, 48, 64, 3)).astype(np.float32)
+    picture = np.random.default_rng(1).random((48, 64, 3), np.float32)
+    reference = Clip(lambda _: picture, 4)
+    found = [peer_scores("vmaf", Clip(lambda t, a=a: picture + a * noise[t], 4), reference) for a in (0, 0.05, 0.2)]
+    assert found[0]["vmaf.mean"] > 95
+    assert found[0]["vmaf.mean"] > found[1]["vmaf.mean"] > found[2]["vmaf.mean"]
+    assert found[2]["vmaf.worst"] <= found[2]["vmaf.mean"]
+
+
 @pytest.mark.parametrize("peer", peers())
 def test_what_is_not_installed_says_how_to_install_it(peer, monkeypatch):
     extra = peers()[peer].extra
     if extra:
-        for module in ("flip_evaluator", "pycvvdp"):
+        for module in ("flip_evaluator", "pycvvdp", "imageio_ffmpeg"):
             monkeypatch.setitem(__import__("sys").modules, module, None)
         with pytest.raises(PeerError, match=rf"pip install 'swimlab\[{extra}\]'"):
             peer_scores(peer, uniform("red"), uniform("red"))
@@ -64,7 +80,7 @@ def test_what_is_not_installed_says_how_to_install_it(peer, monkeypatch):
 
 
 def test_unknown_peers_are_refused():
-    with pytest.raises(PeerError, match="--peers flop: there are flip, flip-oiio, vdp"):
+    with pytest.raises(PeerError, match="flop: is no metric that is known; there are flip, flip-oiio, vdp, vmaf"):
         peer_scores("flop", uniform("red"), uniform("red"))
 
 

@@ -3,6 +3,8 @@
 import re
 import subprocess
 import sys
+from dataclasses import fields
+from inspect import signature
 
 import cv2
 import numpy as np
@@ -12,6 +14,7 @@ import swimlab
 from metrics import measure
 from swimlab.cli.dry_run import pictures_there
 from swimlab.footage.convention import PRESETS
+from swimlab.footage.request import Request
 from swimlab.notebook.picture import INK, OUTSIDE, error_colours, scale_bar
 from swimlab.notebook.scores import Scores
 from swimlab.render import catalogue
@@ -169,7 +172,7 @@ def test_the_scale_of_errors_is_printed(road):
         (lambda road: road.show("tsl"), "has no technique tsl; it has pixel-aniso, pixel-point, reference"),
         (lambda road: road.show(frame=9), "has no frame 9; it has 0, 1, 2, 3"),
         (lambda road: road.show(region=(96, 0, 8, 8)), "lies outside of the frame, 96x54 px"),
-        (lambda road: swimlab.study("road-shift", ["tls"]), "technique 'tls': did you mean 'tsl'"),
+        (lambda road: swimlab.study("road-shift", ["tls"]), "technique 'tls': is not known; did you mean 'tsl'"),
         (lambda road: swimlab.study("road-shift", ["tsl"], frames="0-99"), "the sequence has frames 0-31"),
         (lambda road: swimlab.open(road.folder / "geometry"), "holds no run.json"),
         (lambda road: swimlab.study("road-shift", ["tsl"], output=road.folder), "holds a run of other settings"),
@@ -207,7 +210,7 @@ def test_frames_of_ones_own(road):
     assert own.curves
     assert "residuals: as given" in repr(own)
     assert "residuals: as given" in own._repr_html_()
-    with pytest.raises(FrameError, match="convention 'unty': there are own, blender, unity"):
+    with pytest.raises(FrameError, match="convention 'unty': is not known; there are own, blender, unity"):
         swimlab.measure_frames(test, motion=road.folder / "geometry", convention="unty")
     with pytest.raises(FrameError, match="does not fit the frames"):
         swimlab.measure_frames(reference, motion=(-23 / 32, 19 / 32), alpha="mask")
@@ -307,3 +310,8 @@ def test_a_bad_file_leaves_everything_as_it_was(folder, file, text, answer):
     with pytest.raises((ValueError, SyntaxError, AttributeError), match=answer):
         swimlab.add_techniques(folder)
     assert list(catalogue.techniques()) == before
+
+
+def test_frames_are_measured_with_every_option_of_the_command():
+    options = {field.name for field in fields(Request)} - {"look"}
+    assert options <= set(signature(swimlab.measure_frames).parameters)

@@ -3,7 +3,6 @@ guards."""
 
 import functools
 import json
-import os
 import subprocess
 import sys
 
@@ -87,7 +86,6 @@ def checked(tmp_path_factory):
     folder = tmp_path_factory.mktemp("debug")
     result = subprocess.run(
         [sys.executable, "-c", SCRIPT, str(folder / "pictures.npz"), json.dumps(CASES), json.dumps(PLAIN)],
-        env=os.environ | {"WARP_CACHE_PATH": str(folder / "cache")},
         capture_output=True,
         text=True,
         check=False,

@@ -15,6 +15,7 @@ from swimlab.render.material import Material
 from swimlab.render.shot import Shot
 
 start_warp()
+pytestmark = pytest.mark.may_skip("the machines of CI have no GPU")
 needs_gpu = pytest.mark.skipif(not wp.get_cuda_device_count(), reason="this machine has no CUDA device")
 
 

@@ -1,6 +1,5 @@
 """Native forms assume no instruction set: built for a plain x86-64 processor they give the same pictures."""
 
-import os
 import platform
 import subprocess
 import sys
@@ -33,17 +32,16 @@ np.savez(sys.argv[1], **pictures)
 
 
 def rendered(folder, flags):
-    """Pictures by technique, by kernels that are built with these flags, in a cache of their own."""
+    """Pictures by technique, by kernels that are built with these flags, which Warp's cache tells apart."""
     script, file = folder / "render.py", folder / f"{flags[-6:]}.npz"
     script.write_text(RENDER, encoding="utf-8")
     words = [sys.executable, str(script), str(file), flags, ",".join(NAMES)]
-    subprocess.run(
-        words, env=os.environ | {"WARP_CACHE_PATH": str(folder / file.stem)}, check=True, capture_output=True
-    )
+    subprocess.run(words, check=True, capture_output=True)
     with np.load(file) as pictures:
         return dict(pictures)
 
 
+@pytest.mark.may_skip("the plain vectors that it compares with are those of x86-64")
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="compares builds for x86-64 processors")
 def test_the_widest_vectors_and_the_plainest_agree(tmp_path, tolerance):
     native, plain = (rendered(tmp_path, flags) for flags in ("-march=native", "-target-cpu x86-64-v2"))

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from report_runs import make_run, make_scores
 from swimlab.report.page import write_report
 
 CHROMIUM = shutil.which("chromium")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")]
+if sys.platform != "linux":
+    pytestmark.append(pytest.mark.may_skip("CI has a chromium on Linux alone"))
 
 SPEED = "figure:has(h4:text-is('Error against time'))"
 CHANGE = "figure:has(h4:text-is('Flicker over time'))"

@@ -94,22 +94,32 @@ def test_whole_frames_start_where_the_error_changes_most(run: Path) -> None:
     assert max(one_frame.frames) == FRAMES - 1
 
 
-@pytest.mark.parametrize("budget", [0, 60_000, 200_000, 300_000, 500_000, 700_000, 5_000_000])
+@pytest.mark.parametrize("budget", [0, 3_000, 60_000, 200_000, 300_000, 500_000, 700_000, 5_000_000])
 def test_pictures_keep_to_the_budget_in_consecutive_frames(run: Path, budget: int) -> None:
     clips = choose_clips([open_run(run)], make_scores()["sequences"], budget)
     assert sum(clip.size() for clip in clips) <= budget
     for clip in clips:
         assert clip.frames == list(range(clip.frames[0], clip.frames[-1] + 1))
     if budget >= 5_000_000:
-        assert [clip.frames for clip in clips] == [list(range(FRAMES))]
-    assert bool(clips) == (budget >= 200_000)
+        assert [clip.frames for clip in clips] == 2 * [list(range(FRAMES))]
+    assert bool(clips) == (budget >= 60_000)
+    assert all(clip.shrunk == 1 for clip in clips) == (budget >= 200_000 or not clips)
+
+
+def test_a_shrunk_picture_has_means_of_radiance(run: Path) -> None:
+    clip = choose_clips([open_run(run)], make_scores()["sequences"], 60_000)[0]
+    by, (frame,) = clip.shrunk, clip.frames
+    rgb = read_frame(frame_path(run, "tsl", frame))[..., :3]
+    means = rgb.reshape(rgb.shape[0] // by, by, rgb.shape[1] // by, by, 3).mean(axis=(1, 3))
+    assert by > 1
+    assert np.array_equal(decode(clip.pictures["tsl"][frame]), srgb(means))
 
 
 def test_the_page_says_which_frames_it_carries(run: Path, tmp_path: Path) -> None:
-    write_report([run], make_scores(), tmp_path / "report.html", picture_budget=300_000)
+    write_report([run], make_scores(), tmp_path / "report.html", picture_budget=580_000)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     clips = viewer_data(page)["clips"]
-    assert len(clips) == 2
+    assert [bool(clip["region"]) for clip in clips] == [False, True]
     for clip in clips:
         assert clip["name"].removeprefix("road-shift: ") in page.split("Embedded here:")[1].split("</p>")[0]
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from swimlab.report.charts import Axis, Bar, Line, line_chart, number, stacked_bars, ticks
 from swimlab.report.clips import outwards
-from swimlab.report.display import ERROR_RANGE, ERROR_STEPS, UNMEASURED, error_codes, srgb, webp
+from swimlab.report.display import ERROR_RANGE, ERROR_STEPS, UNMEASURED, error_codes, srgb, webp, wide_codes
 from swimlab.report.figures import figures
 from swimlab.report.palette import inks
 from swimlab.report.table import headline, score_table
@@ -177,6 +177,14 @@ def test_error_codes_are_right_to_half_a_step(error: float, tolerance: Callable[
     shown = (int(codes[1, 1]) - ERROR_STEPS - 1) * step
     assert 1 <= codes[1, 1] <= 2 * ERROR_STEPS + 1
     assert abs(shown - min(max(error, -ERROR_RANGE), ERROR_RANGE)) <= step / 2 + tolerance("error code")
+
+
+def test_wide_codes_hold_what_is_brighter_than_a_screen(tolerance: Callable[[str], float]) -> None:
+    light = np.geomspace(0.01, 16, 1000).astype(np.float32)
+    share = wide_codes(light) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    assert linear / (1 - linear) == pytest.approx(light, rel=tolerance("a wide code"))
+    assert wide_codes(np.array([-1.0, 0.0, np.float32(1e12)])).tolist() == [0, 0, 255]
 
 
 def test_webp_of_codes_is_lossless() -> None:

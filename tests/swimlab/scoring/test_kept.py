@@ -4,8 +4,11 @@ import json
 
 import pytest
 
+from swimlab.render import run as render_run
+from swimlab.report import kept as kept_reports
+from swimlab.runs.configuration import Configuration
 from swimlab.runs.frames import frame_path
-from swimlab.scoring import kept, measure
+from swimlab.scoring import kept, measure, score
 
 
 @pytest.fixture
@@ -74,7 +77,7 @@ def test_a_changed_reference_is_measured_by_all(swimlab, run, measured):
 
 
 def test_changed_code_measures_again(swimlab, run, measured, monkeypatch):
-    monkeypatch.setattr(kept, "_code", lambda: "of another version")
+    monkeypatch.setattr(kept, "hash_of_code", lambda: "of another version")
     assert swimlab("measure", run, "-q")[0] == 0
     assert sorted(measured) == ["pixel-point", "vertex"]
 
@@ -88,8 +91,7 @@ def test_damaged_scores_are_measured_again(swimlab, run, measured, text):
     assert scores(run) == first
 
 
-def test_what_a_view_shows_is_measured_again(swimlab, tmp_path, measured):
-    """Its configuration may have changed, which no picture tells."""
+def test_what_a_view_shows_is_kept_while_its_configuration_is_the_same(swimlab, tmp_path, measured, monkeypatch):
     sequence = tmp_path / "shown.toml"
     view = "sRGB - Display/Un-tone-mapped"
     sequence.write_text(
@@ -98,7 +100,36 @@ def test_what_a_view_shows_is_measured_again(swimlab, tmp_path, measured):
         encoding="utf-8",
     )
     words = ("-t", "vertex", "--samples", 4, "--domain", "display", "-q", "-o", tmp_path / "run")
-    for _ in range(2):
+    counts = []
+    for named in (None, None, ("a", True), ("a", True), ("b", True), ("b", False), ("b", False)):
+        for module in (kept, score):
+            monkeypatch.setattr(module, "configuration", lambda named=named: named and Configuration(*named))
         code, _, err = swimlab("study", sequence, *words)
         assert code == 0, err
-    assert measured == ["vertex", "vertex"]
+        counts.append(len(measured))
+        assert scores(tmp_path / "run")[0]["display"].get("configuration") == (named and named[0])
+    assert counts == [1, 1, 2, 2, 3, 4, 5]
+
+
+def test_nothing_is_rendered_or_written_where_nothing_is_new(swimlab, run, monkeypatch):
+    monkeypatch.setattr(render_run, "Renderer", None)
+    files = ("run.json", "scores.json", "frames.csv", "contact.png", "report.html")
+    before = [(run / name).stat().st_mtime_ns for name in files]
+    words = ("-t", "pixel-point,vertex", "--size", "96x54", "--frames", "0-2", "--samples", 4, "-q", "-o", run)
+    assert swimlab("study", "road-shift", *words)[0] == 0
+    assert [(run / name).stat().st_mtime_ns for name in files] == before
+
+
+def test_the_report_is_made_again_of_other_code_or_where_it_is_another_page(swimlab, run, monkeypatch):
+    page = run / "report.html"
+    words = ("-t", "pixel-point,vertex", "--size", "96x54", "--frames", "0-2", "--samples", 4, "-q", "-o", run)
+    for change in (lambda: page.write_text("another", encoding="utf-8"), (run / "contact.png").unlink):
+        change()
+        before = page.stat().st_mtime_ns
+        assert swimlab("study", "road-shift", *words)[0] == 0
+        assert page.stat().st_mtime_ns > before
+        assert "<html" in page.read_text(encoding="utf-8")
+    monkeypatch.setattr(kept_reports, "hash_of_code", lambda *_: "of another version")
+    before = page.stat().st_mtime_ns
+    assert swimlab("study", "road-shift", *words)[0] == 0
+    assert page.stat().st_mtime_ns > before

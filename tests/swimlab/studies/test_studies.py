@@ -3,6 +3,7 @@
 import json
 import re
 import xml.etree.ElementTree as ET
+from functools import partial
 
 import cv2
 import numpy as np
@@ -227,6 +228,7 @@ def test_the_report_holds_every_technique(swimlab, monkeypatch, tmp_path):
         return sequence.with_changes(scene=scene | {"road": scene["road"] | {"length": 16.0}})
 
     monkeypatch.setattr(beyond, "load", short)
+    monkeypatch.setattr(beyond, "Effort", partial(beyond.Effort, rounds=2))
     words = ["--size", "64x64", "--frames", "4", "--samples", "4", "-o", "out", "--json", "-q"]
     code, out, err = swimlab("bench", "beyond-the-deck", *words)
     assert (code, err) == (0, "")

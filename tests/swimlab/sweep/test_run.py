@@ -309,9 +309,9 @@ def test_who_is_second_with_a_chunk_takes_the_firsts(sweep, tmp_path, monkeypatc
     from swimlab.render import renderer
     from swimlab.sweep.file import load_sweep
     from swimlab.sweep.render import clear_temporaries, render_chunk
-    from swimlab.sweep.run import Work
+    from swimlab.sweep.run import RenderedWork
 
-    chunk = Work.of(load_sweep(sweep)).distinct()[0]
+    chunk = RenderedWork.of(load_sweep(sweep)).pieces()[0]
     render_chunk(chunk, tmp_path, 1)
     first = tmp_path / "first"
     chunk.path(tmp_path).rename(first)

@@ -1,6 +1,7 @@
 """A report of a small run, as a page and as a folder, and a headless Chromium to open it in."""
 
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -43,10 +44,12 @@ def folder(run: Path, scores: dict[str, Any]) -> Path:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def browser(request: pytest.FixtureRequest) -> Iterator[Browser]:
     """Closed with its module: while it is there, its event loop is in the way of any other."""
     chromium = shutil.which("chromium")
     if chromium is None:
+        if sys.platform != "linux":
+            request.node.add_marker(pytest.mark.may_skip("CI has a chromium on Linux alone"))
         pytest.skip("chromium is not installed")
     with sync_playwright() as playwright:
         arguments = ["--no-sandbox", "--force-color-profile=srgb"]

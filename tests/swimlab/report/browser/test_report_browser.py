@@ -20,6 +20,7 @@ CONTROLS = [
     ("split", "s", "state.split"),
     ("previous", "ArrowLeft", f"state.frame === {FRAMES - 1}"),
     ("play", "p", "state.playing"),
+    ("loop", "d", "!loop.running"),
     ("next", "ArrowRight", "state.frame === 1"),
     ("worst", "w", f"state.frame === {WORST}"),
     ("worstOfAll", "Shift+W", f"state.frame === {WORST}"),
@@ -39,7 +40,10 @@ def test_every_button_and_its_key_do_the_same(visit: Callable[..., Page], report
     for action, key, holds in CONTROLS:
         for use_key in (False, True):
             page.keyboard.press("Escape")
-            page.evaluate("(fresh) => { state.playing = false; location.hash = fresh; readAddress(); }", FRESH)
+            page.evaluate(
+                "(fresh) => { state.playing = false; loop.running = true; location.hash = fresh; readAddress(); }",
+                FRESH,
+            )
             settle(page)
             assert not page.evaluate(holds), action
             if use_key:

@@ -1,6 +1,7 @@
 """The report in a headless Chromium: links, motion, phone, colour schemes and the report in a folder."""
 
 import copy
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import CDPSession, Page
 from report_runs import FRAMES, TECHNIQUES, WORST, make_run, make_scores
-from viewer_page import PHONE, PIXEL, canvas, place_of, settle, shown, truth
+from viewer_page import PHONE, PIXEL, canvas, inset, place_of, settle, shown, truth
 
 from swimlab.report.page import write_report
 
@@ -44,19 +45,15 @@ def test_the_address_restores_the_view(visit: Callable[..., Page], report: str) 
     assert np.abs(canvas(again) - canvas(page)).mean() < 2  # positions are kept to 1/10000 of the picture
 
 
-def test_a_fresh_view_is_the_pick_in_a_moving_detail(
-    visit: Callable[..., Page], run: Path, scores: dict[str, Any]
-) -> None:
-    """The whole pictures come first in the list, but here there is one frame of them."""
+def test_a_fresh_view_is_the_pick_as_a_whole(visit: Callable[..., Page], run: Path, scores: dict[str, Any]) -> None:
     told = copy.deepcopy(scores)
     (point,) = (entry for entry in told["sequences"] if entry["technique"] == "pixel-point")
     point["scores"]["budget.mse"] /= 16
     write_report([run], told, run / "picked.html", picture_budget=580_000)
     page = visit((run / "picked.html").as_uri())
-    assert page.evaluate("[clip().name.includes('detail'), clip().frames.length > 1]") == [True, True]
-    assert page.evaluate("[state.clip, state.a, state.b]") == [1, "pixel-point", "reference"]
-    page.keyboard.press("p")
-    assert page.evaluate("state.playing")
+    assert page.evaluate("[clip().name.includes('whole'), detailBeside().frames.length > 1]") == [True, True]
+    assert page.evaluate("[state.clip, state.a, state.b]") == [0, "pixel-point", "reference"]
+    assert page.evaluate("namesBeside()") == ["pixel-point", "reference", "tsl"]
     deep = visit((run / "picked.html").as_uri() + "#clip=0&a=tsl&b=pixel-point&frame=5")
     assert deep.evaluate("[state.clip, state.a, state.b]") == [0, "tsl", "pixel-point"]
 
@@ -80,7 +77,7 @@ def test_a_clip_that_is_chosen_is_seen_whole(visit: Callable[..., Page], run: Pa
 def test_a_bad_address_shows_the_first_view(visit: Callable[..., Page], report: str) -> None:
     page = visit(report + "#clip=9&a=nobody&frame=77&heat=8&ev=-99&zoom=nan&x=4")
     assert page.evaluate("[state.clip, state.a, state.frame, state.heat, state.exposure, state.zoom, state.x]") == [
-        *(0, "tsl", 0, 0, -8, 1, 1)
+        *(1, "tsl", 0, 0, -8, 1, 1)
     ]
     page.evaluate("location.hash = '#provenance'")
     settle(page)
@@ -102,6 +99,35 @@ def test_a_clip_loops_at_its_own_rate(visit: Callable[..., Page], report: str) -
     assert page.evaluate("state.frame") == 2
 
 
+def test_a_detail_loops_beside_the_whole_picture(visit: Callable[..., Page], report: str, run: Path) -> None:
+    page = visit(report)
+    left, top, width, height = page.evaluate("detailBeside().region")
+    for place in (2, FRAMES - 1):  # as it comes round
+        page.wait_for_function("(place) => loop.frame === place", arg=place)
+    page.keyboard.press("d")
+    page.evaluate("loop.frame = 4; drawBeside()")
+    assert page.inner_text("[data-action=loop]") == "play"
+    says = page.inner_text("#inset-says")
+    assert f"{width}x{height} px at ({left}, {top}), frame 4 of frames 0 to {FRAMES - 1}" in says
+    for name in page.evaluate("namesBeside()"):
+        x, y = page.evaluate(
+            """(name) => { const at = panelsBeside(), [, left, top] = at.places.find(([one]) => one === name);
+            return [left + (at.width - 1.5) * at.scale, top + (at.height - 1.5) * at.scale]; }""",
+            name,
+        )
+        corner = (left + width - 2, top + height - 2)
+        assert inset(page)[int(y), int(x)].tolist() == truth(run, name, 4, corner)
+    page.click("#inset", position={"x": x, "y": y})
+    settle(page)
+    assert page.evaluate("[Boolean(clip().region), state.a]") == [True, name]
+    assert page.locator("#beside").is_hidden()
+
+
+def test_who_wants_no_motion_gets_none(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report, reduced_motion="reduce")
+    assert page.evaluate("[loop.running, loop.frame]") == [False, 0]
+
+
 def test_frames_are_scrubbed(visit: Callable[..., Page], report: str, run: Path) -> None:
     page = visit(report)
     page.locator("#frame").fill("4")
@@ -112,11 +138,26 @@ def test_frames_are_scrubbed(visit: Callable[..., Page], report: str, run: Path)
     assert page.evaluate("state.fps") == 12
 
 
+def test_a_worst_region_is_linked_to_the_viewer(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report)
+    link = page.locator("figure:has(h4:text-is('Worst errors')) svg a").filter(has_text="tsl")
+    x, y = map(int, re.findall(r"at \((\d+), (\d+)\)", link.text_content() or "")[0])
+    link.click()
+    settle(page)
+    assert page.evaluate("[state.clip, state.a, clip().frames[state.frame]]") == [0, "tsl", WORST]
+    left, top = place_of(page, (x, y))
+    box = page.locator("#screen").bounding_box()
+    assert box
+    assert (left >= 0, top >= 0, left < box["width"], top < box["height"]) == (True,) * 4
+    assert -1 <= box["y"] < 900  # places of boxes are rounded
+
+
 def test_worst_of_all_goes_to_another_clip(visit: Callable[..., Page], run: Path, scores: dict[str, Any]) -> None:
     write_report([run], scores, run / "small.html", picture_budget=580_000)
     page = visit((run / "small.html").as_uri() + "#clip=0")
     clips = page.evaluate("data.clips.map((item) => item.frames)")
     assert clips[0] == [FRAMES - 1]
+    assert page.locator("#beside").is_visible()
     assert WORST in clips[1]
     page.keyboard.press("w")
     assert page.evaluate("[state.clip, state.frame]") == [0, 0]
@@ -208,6 +249,8 @@ def test_a_folder_shows_what_the_page_shows(visit: Callable[..., Page], report: 
 
 def test_memory_is_bounded_and_pictures_come_back(visit: Callable[..., Page], folder: Path, run: Path) -> None:
     page = visit((folder / "index.html").as_uri())
+    page.keyboard.press("d")
+    settle(page)
     bytes_kept = "Array.from(kept.values()).reduce((sum, [, bytes]) => sum + bytes, 0)"
     assert page.evaluate("keptBytes") == page.evaluate(bytes_kept) <= page.evaluate("KEPT_BYTES")
     page.evaluate("keep('huge', null, KEPT_BYTES)")

@@ -1,0 +1,54 @@
+"""A shot's messages in the words of its file: what is an option on the command line is a key there."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from metrics import ClipError
+from swimlab.runs.frames import FrameError
+
+_INPUTS = ("reference", "motion", "depth", "mask")
+"""Inputs whose name stands before their options."""
+_FLAGS = ("skip_bad_frames", "motion.unverified")
+_KEYS = {
+    "test": "frames",
+    "pixels-per-degree": "viewing.pixels_per_degree",
+    "luminance": "viewing.luminance",
+    "exposure": "display.exposure",
+    "tone-map": "display.tone_map",
+    "display": "display.view",
+}
+_SAME = ("channels", "colorspace", "alpha", "part", "crop", "fps", "frames", "skip-bad-frames", *_INPUTS)
+_NUMBER = r"-?[\d.]+(?:e[-+]?\d+)?"
+
+
+def as_keys(text: str) -> str:
+    """A message with keys of a shot file in place of the options that it names.
+
+    >>> as_keys("give --motion 0.5,-1 or --motion-unverified, or mend --reference-colorspace")
+    'give motion.velocity = [0.5, -1] or motion.unverified = true, or mend reference.colorspace'
+    """
+    text = re.sub(rf"--motion ({_NUMBER}),({_NUMBER})", r"motion.velocity = [\1, \2]", text)
+    text = re.sub(r"--motion estimate\b", "motion.estimate = true", text)
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", _key, text)
+
+
+@contextmanager
+def in_words_of(path: Path) -> Iterator[None]:
+    """Have errors of a shot's frames name its file, and its keys."""
+    try:
+        yield
+    except (FrameError, ClipError) as error:
+        raise type(error)("\n".join(f"{path}: {line}" for line in as_keys(str(error)).splitlines())) from error
+
+
+def _key(option: re.Match[str]) -> str:
+    of, _, rest = option[1].partition("-")
+    if of in _INPUTS and rest:
+        key = f"{of}.{rest.replace('-', '_')}"
+    elif option[1] in _SAME:
+        key = option[1].replace("-", "_")
+    else:
+        return _KEYS.get(option[1], option[0])
+    return f"{key} = true" if key in _FLAGS else key

@@ -1,0 +1,180 @@
+"""Where each technique errs most and where it changes most: the frame, the region in it, and pictures of both."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+from urllib.parse import urlencode
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swimlab.report.charts import drawing, drawn_text, number
+from swimlab.report.clips import Clip, Region
+from swimlab.report.display import COVERED, difference_codes, srgb
+from swimlab.report.figures import Figure
+from swimlab.report.following import same_surface, warped
+from swimlab.report.heat import image
+from swimlab.report.recorded import Run
+from swimlab.runs.frames import Image
+from swimlab.runs.record import REFERENCE
+
+Entry = Mapping[str, Any]
+
+SIDE = 64
+"""Width and height of a region, px, where the frame is as large."""
+
+NAMED = 3
+"""Worst frames that are named."""
+
+WIDTH = 420
+GAP = 6
+HEAD = 38
+
+
+@dataclass(frozen=True)
+class Worst:
+    """A technique's worst frames, the worst first, their rms, the region of the first, and pictures of it by name."""
+
+    technique: str
+    frames: list[int]
+    rms: float
+    region: Region
+    panels: dict[str, NDArray[np.uint8]]
+
+
+def worst_frames(rows: Iterable[Mapping[str, Any]], *keys: str) -> list[tuple[int, float]]:
+    """(frame, value) of an entry's rows by frame, the largest first, under the first key that any of them has."""
+    known = list(rows)
+    for key in keys:
+        found = [(int(row["frame"]), float(row[key])) for row in known if isinstance(row.get(key), int | float)]
+        if found:
+            return sorted(found, key=lambda each: -each[1])
+    return []
+
+
+def worst_region(difference: Image, known: NDArray[np.bool_]) -> Region:
+    """The square (x, y, width, height) of the largest squared difference [H, W, 3], over pixels that are known."""
+    squared = np.where(known, np.square(difference.astype(np.float64)).sum(axis=2), 0.0)
+    height, width = squared.shape
+    w, h = min(SIDE, width), min(SIDE, height)
+    summed = np.pad(squared, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    boxes = summed[h:, w:] - summed[:-h, w:] - summed[h:, :-w] + summed[:-h, :-w]
+    y, x = np.unravel_index(int(np.argmax(boxes)), boxes.shape)
+    return int(x), int(y), w, h
+
+
+def worst(run: Run, entries: Sequence[Entry], clips: Sequence[Clip]) -> list[Figure]:
+    """The figures of one run; none for frames of several sizes.
+
+    clips: of the whole page, to which frames that they show are linked. Raises FrameError where a picture cannot be
+    read.
+    """
+    if run.resizes:
+        return []
+    tests = [each for each in entries if each["technique"] != REFERENCE and each["technique"] in run.techniques]
+    told = "The square of largest squared difference in each {}\u2019s worst frame; "
+    drawn = []
+    for title, find, sentence in (
+        ("Worst errors", _error, "at the right test \u2212 reference, grey where there is none."),
+        (
+            "Worst flicker",
+            _flicker,
+            "at the right what {} changes on the surface from the frame before, grey for none.",
+        ),
+    ):
+        found = [each for each in (find(run, entry) for entry in tests) if each is not None]
+        if found:
+            what = "of the error" if REFERENCE in run.techniques else "of the picture"
+            words = (told + sentence).format(run.pictures.called, what)
+            drawn.append(Figure(title, _drawn(title, run, found, clips), words, []))
+    return drawn
+
+
+def _error(run: Run, entry: Entry) -> Worst | None:
+    frames = worst_frames(entry.get("frames", []), "mse", "frame_mse")
+    if not frames or REFERENCE not in run.techniques:
+        return None
+    frame, name = frames[0][0], entry["technique"]
+    test, exact = (run.pictures.read(each, frame) for each in (name, REFERENCE))
+    error = test[..., :3] - exact[..., :3]
+    region = worst_region(error, exact[..., 3] >= COVERED)
+    panels = {name: srgb(_cut(test, region)), REFERENCE: srgb(_cut(exact, region))}
+    return _found(name, frames, region, panels | {"error": difference_codes(_cut(error, region))})
+
+
+def _flicker(run: Run, entry: Entry) -> Worst | None:
+    frames = [
+        pair for pair in worst_frames(entry.get("frames", []), "change", "edges_flicker") if pair[0] in run.frames[1:]
+    ]
+    if not frames:
+        return None
+    frame, name = frames[0][0], entry["technique"]
+    place = run.frames.index(frame)
+    earlier = run.frames[max(0, place - 2) : place]
+    motion = run.pictures.motion((*earlier, frame))
+    now, before = (run.pictures.read(name, each) for each in (frame, earlier[-1]))
+    exact, exact_before = (
+        (run.pictures.read(REFERENCE, each) for each in (frame, earlier[-1])) if REFERENCE in run.techniques else (0, 0)
+    )
+    moved = motion(frame)
+    shown_before = warped(before - exact_before, moved)[..., :3]
+    change = (now - exact)[..., :3] - shown_before
+    known = np.isfinite(change).all(axis=2) & (now[..., 3] >= COVERED)
+    if len(earlier) > 1:
+        known &= same_surface(moved, motion(earlier[-1]))
+    change = np.where(known[..., None], change, 0)
+    region = worst_region(change, known)
+    panels = {f"frame {each}": srgb(_cut(picture, region)) for each, picture in ((earlier[-1], before), (frame, now))}
+    return _found(name, frames, region, panels | {"change": difference_codes(_cut(change, region))})
+
+
+def _found(name: str, frames: list[tuple[int, float]], region: Region, panels: dict[str, NDArray[np.uint8]]) -> Worst:
+    return Worst(name, [frame for frame, _ in frames[:NAMED]], math.sqrt(max(0.0, frames[0][1])), region, panels)
+
+
+def _cut(picture: Image, region: Region) -> Image:
+    x, y, width, height = region
+    return picture[y : y + height, x : x + width, :3]
+
+
+def _drawn(title: str, run: Run, found: Sequence[Worst], clips: Sequence[Clip]) -> str:
+    """A row of pictures a technique, under its words."""
+    body: list[str] = []
+    top = 0.0
+    for each in found:
+        x, y, width, height = each.region
+        first, *others = each.frames
+        then = f", then frames {' and '.join(map(str, others))}" if len(others) > 1 else ""
+        at = f"frame {first} at ({x}, {y}), rms {number(each.rms)}"
+        said = drawn_text(0, top + 14, f"{each.technique}: {at}{then}", "start")
+        address = _address(run, each, clips)
+        body.append(f'<a href="{escape(address)}">{said}</a>' if address else said)
+        wide = (WIDTH - GAP * (len(each.panels) - 1)) / len(each.panels)
+        high = wide * height / width
+        for place, (name, codes) in enumerate(each.panels.items()):
+            left = place * (wide + GAP)
+            body.append(drawn_text(left, top + HEAD - 6, name, "start"))
+            body.append(image(codes, (left, top + HEAD, left + wide, top + HEAD + high)))
+        top += HEAD + high + GAP
+    return drawing((WIDTH, math.ceil(top)), title, body)
+
+
+def _address(run: Run, each: Worst, clips: Sequence[Clip]) -> str:
+    """Of the viewer that shows the region; empty where the page has no whole picture of the frame."""
+    frame = each.frames[0]
+    for place, clip in enumerate(clips):
+        if clip.run is run and clip.region is None and frame in clip.sizes:
+            (width, height), (x, y, w, h) = run.settings["size"], each.region
+            view = {
+                "clip": place,
+                "a": each.technique,
+                "b": REFERENCE if REFERENCE in run.techniques else run.techniques[0],
+                "frame": frame,
+                "zoom": f"{max(1.0, min(width / (2 * w), height / (2 * h))):.2f}",
+                "x": f"{(x + w / 2) / width:.4f}",
+                "y": f"{(y + h / 2) / height:.4f}",
+            }
+            return f"#{urlencode(view)}"
+    return ""

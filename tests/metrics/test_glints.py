@@ -1,0 +1,57 @@
+"""Few pixels that rule a squared error are told; many, and errors as a screen shows them, are not."""
+
+import numpy as np
+import pytest
+
+from metrics import Clip, measure
+from metrics.glints import SHARE, Errors
+
+SIZE, COUNT = 96, 4
+
+
+def test_the_largest_errors_are_those_of_a_sorted_list(tolerance):
+    """To within the width of a bin, a quarter of an octave."""
+    squared = np.random.default_rng(1).pareto(1.2, 50_000).astype(np.float32) ** 2
+    errors = Errors()
+    for part in np.array_split(squared, 7):
+        errors.add(part)
+    largest = np.sort(squared.astype(np.float64))[::-1][: round(SHARE * len(squared))].sum()
+    few = errors.largest()
+    assert few.share == pytest.approx(largest / squared.sum(dtype=np.float64), rel=tolerance("bin of squares"))
+    assert few.rms == pytest.approx(np.sqrt(largest / (SHARE * len(squared))), rel=tolerance("bin of squares"))
+    assert Errors().largest().share == 0.0
+
+
+def notes(glint, domain="linear", every=2000):
+    """Noise of .01 rms; `glint` is added to every so many pixels, elsewhere in each frame."""
+    random = np.random.default_rng(2)
+
+    def frame(t):
+        return np.full((SIZE, SIZE, 3), 0.2)
+
+    def test(t):
+        picture = frame(t) + 0.01 * random.standard_normal((SIZE, SIZE, 3))
+        picture.reshape(-1, 3)[5 + 7 * t :: every] += glint
+        return picture
+
+    found = measure(Clip(test, COUNT), Clip(frame, COUNT), domain=domain, names=("frame", "budget"))
+    return [note for note in found.notes if "thousandth" in note]
+
+
+def test_glints_are_said_with_the_display_domain_as_the_way_out():
+    (note,) = notes(100.0)
+    assert "rms error 74, makes 100% of budget.mse and 100% of frame.mse: glints or fireflies" in note
+    assert "--domain display" in note
+
+
+def test_a_few_pixels_that_are_wrong_are_no_glints():
+    (note,) = notes(0.7)
+    assert "a few places rule" in note
+    assert "display" not in note
+
+
+@pytest.mark.parametrize(
+    "options", [{"glint": 0.1}, {"glint": 100.0, "domain": "display"}, {"glint": 1.0, "every": 20}]
+)
+def test_what_many_pixels_make_is_not(options):
+    assert notes(**options) == []

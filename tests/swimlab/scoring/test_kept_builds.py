@@ -1,0 +1,142 @@
+"""Builds of brought frames are measured once: what is kept is told apart from what has changed."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from small_shot import SHOT, SIDE, write_picture, write_shot
+
+from swimlab.scoring import footage, kept
+
+
+def write(path, seed):
+    """A frame of noise about 1."""
+    write_picture(path, 1 + 0.1 * np.random.default_rng(seed).standard_normal((SIDE, SIDE, 3)))
+
+
+@pytest.fixture
+def shot(tmp_path):
+    return write_shot(tmp_path)
+
+
+@pytest.fixture
+def measured(monkeypatch):
+    """The builds that are measured from now on."""
+    names = []
+    real = footage.measure_build
+
+    def note(sequence, name, *rest, **options):
+        names.append(name)
+        return real(sequence, name, *rest, **options)
+
+    monkeypatch.setattr(footage, "measure_build", note)
+    return names
+
+
+@pytest.fixture
+def study(swimlab, shot):
+    def study(*words, code=0):
+        ended, _, err = swimlab("study", shot, "-o", shot.parent / "run", *words)
+        assert ended == code, err
+        return err
+
+    return study
+
+
+def entries(run):
+    content = json.loads((run / "scores.json").read_text(encoding="utf-8"))
+    return {entry["technique"]: entry for entry in content["sequences"]}
+
+
+def test_a_second_study_measures_and_writes_nothing_and_says_the_same(study, shot, measured):
+    first = study()
+    names = ("run.json", "scores.json", "frames.csv", "report.html", "contact.png")
+    before = [(shot.parent / "run" / name).stat().st_mtime_ns for name in names]
+    notes = {line for line in study().splitlines() if line.startswith("swimlab: ")}
+    assert measured == ["one", "two"]
+    assert [(shot.parent / "run" / name).stat().st_mtime_ns for name in names] == before
+    assert notes
+    assert notes <= set(first.splitlines())
+
+
+def test_a_new_build_alone_is_measured_and_scores_are_those_of_all_at_once(study, shot, measured):
+    study("-t", "one", "-q")
+    study("-q")
+    assert measured == ["one", "two"]
+    together = entries(shot.parent / "run")
+    (shot.parent / "run" / "scores.json").unlink()
+    study("-q")
+    assert measured == ["one", "two", "one", "two"]
+    assert entries(shot.parent / "run") == together
+
+
+def test_a_changed_build_is_measured_alone_and_a_changed_reference_by_all(study, shot, measured):
+    study("-q")
+    write(shot.parent / "two" / "1.exr", 5)
+    study("-q")
+    assert measured == ["one", "two", "two"]
+    write(shot.parent / "ref" / "1.exr", 6)
+    study("-q")
+    assert measured[3:] == ["one", "two"]
+
+
+def test_settings_and_code_are_measured_again(study, shot, measured, monkeypatch):
+    study("-q")
+    shot.write_text(SHOT.replace("[builds.two]", '[builds.two]\ncolorspace = "linear"'), encoding="utf-8")
+    study("-q")
+    assert measured == ["one", "two", "two"]
+    monkeypatch.setattr(kept, "hash_of_code", lambda: "of another version")
+    study("-q")
+    assert measured[3:] == ["one", "two"]
+
+
+def test_files_that_are_touched_are_the_same(study, shot, measured):
+    study("-q")
+    os.utime(shot.parent / "one" / "0.exr", ns=(1, 1))
+    study("-q")
+    assert measured == ["one", "two"]
+    record = json.loads((shot.parent / "run" / "run.json").read_text(encoding="utf-8"))
+    assert record["inputs"]["one"]["files"][0]["modified"] == 1
+
+
+def test_a_build_that_was_measured_when_another_failed_is_kept(study, shot, measured):
+    kept_bytes = (shot.parent / "two" / "2.exr").read_bytes()
+    write_picture(shot.parent / "two" / "2.exr", np.full((SIDE, SIDE, 3), np.nan))
+    assert "2.exr" in study("-q", code=2)
+    (shot.parent / "two" / "2.exr").write_bytes(kept_bytes)
+    study("-q")
+    assert measured == ["one", "two", "two"]
+    assert not (shot.parent / "run" / "measured").exists()
+
+
+def test_a_file_that_changes_while_it_is_measured_is_told_and_nothing_is_kept(study, shot, monkeypatch):
+    real = footage.measure_build
+
+    def disturbed(sequence, name, *rest, **options):
+        entry = real(sequence, name, *rest, **options)
+        write(shot.parent / "one" / "1.exr", 9)
+        return entry
+
+    monkeypatch.setattr(footage, "measure_build", disturbed)
+    err = study("-q", code=2)
+    assert f"{shot.parent / 'one' / '1.exr'}: has changed while it was measured (one)" in err
+    assert not list((shot.parent / "run").rglob("*.json"))
+
+
+def test_all_inputs_that_are_not_there_are_told_at_once(study, shot):
+    shot.write_text(SHOT.replace('"one"', '"gone"').replace('"ref"', '"lost"'), encoding="utf-8")
+    err = study(code=2)
+    assert f"swimlab: {shot}: one: {shot.parent / 'gone'}: no such file" in err
+    assert f"swimlab: {shot}: {shot.parent / 'lost'}: no such file" in err
+
+
+def test_a_changed_configuration_of_colours_is_measured_again(study, shot, measured, monkeypatch):
+    study("-q")
+    monkeypatch.setenv("OCIO", "ocio://default")
+    study("-q")
+    assert measured == ["one", "two"] * 2
+    monkeypatch.setenv("OCIO", str(shot.parent / "none.ocio"))  # of which nothing can be told
+    study("-q")
+    study("-q")
+    assert measured == ["one", "two"] * 4
