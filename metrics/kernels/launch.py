@@ -71,9 +71,12 @@ class Launcher:
                 task.cancel()
             raise
 
-    def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
-        """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself."""
-        height = max(1, STRIP_ROWS // n) if self.device == "cpu" else rows
+    def strips(self, rows: int, n: int = 1, *, height: int = STRIP_ROWS) -> Sequence[Strip]:
+        """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself.
+
+        height: of a strip, rows of samples.
+        """
+        height = max(1, height // n) if self.device == "cpu" else max(rows, 1)
         return [Strip(first, min(height, rows - first)) for first in range(0, rows, height)]
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
@@ -87,17 +90,24 @@ class Launcher:
             _LOADED.add((self.device, kernel))
 
     def over(
-        self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1
+        self,
+        rows: int,
+        kernel: wp.Kernel,
+        width: tuple[int, ...],
+        inputs: Sequence[Any],
+        *,
+        each: int = 1,
+        strip: int = STRIP_ROWS,
     ) -> None:
         """Run a kernel over rows of a picture in strips; its first input is a strip's first row.
 
-        Its dim is (rows, *width), or a thread takes `each` rows.
+        Its dim is (rows, *width), or a thread takes `each` rows. strip: rows of a strip.
         """
 
         def run(strip: Strip) -> None:
             self.launch(kernel, (-(-strip.rows // each), *width), [strip.first, *inputs])
 
-        self.each(self.strips(rows), run)
+        self.each(self.strips(rows, height=strip), run)
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""

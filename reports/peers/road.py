@@ -89,7 +89,7 @@ class Road:
         """Segments of the road that some pixel's centre sees, nearest first."""
         from swimlab.render.target import Screen
 
-        return sorted(Screen.of(self.shot(frame), 16).rows)
+        return list(Screen.of(self.shot(frame), 16).segments)
 
 
 @dataclass(frozen=True)

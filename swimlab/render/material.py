@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -9,6 +10,7 @@ import warp as wp
 from metrics.kernels.launch import Launcher
 from sequences import Sequence
 from swimlab.render.inputs import Inputs, Level, Map, Maps
+from swimlab.render.kernels.sampling import resolving
 from swimlab.render.kernels.structs import TEXELS
 from swimlab.render.made_maps import SIZE, made_map, tangents
 from swimlab.render.texture import MipChain
@@ -35,12 +37,18 @@ class Material:
         self._launcher = launcher
         self._maps = maps
         self._chains: dict[Callable[[Maps], Level], MipChain] = {}
+        self._resolved: dict[Any, MipChain] = {}
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height of the maps in texels."""
         height, width = self._maps.albedo.shape[:2]
         return width, height
+
+    @property
+    def highest_power(self) -> float:
+        """The largest power of the maps."""
+        return float(self._maps.gloss[..., 1].max())
 
     @property
     def twisted(self) -> bool:
@@ -52,6 +60,19 @@ class Material:
         if inputs.pack not in self._chains:
             self._chains[inputs.pack] = self._packed(inputs)
         return self._chains[inputs.pack]
+
+    def resolved(self, inputs: Inputs) -> MipChain:
+        """That chain with every texel of every level as it is shaded."""
+        if inputs.resolve is None:
+            return self.chain(inputs)
+        if inputs.resolve not in self._resolved:
+            chain = self.chain(inputs)
+            texels = self._launcher.empty(len(chain.texels), chain.texels.dtype)
+            self._launcher.launch(
+                resolving(inputs.resolve, chain.floats), len(texels), [chain.texels, chain.shape, texels]
+            )
+            self._resolved[inputs.resolve] = MipChain(texels, chain.shape)
+        return self._resolved[inputs.resolve]
 
     def _packed(self, inputs: Inputs) -> MipChain:
         texels, centre = inputs.pack(self._maps)

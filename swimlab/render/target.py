@@ -1,194 +1,191 @@
 """Targets of texture-space lighting: a segment of the road drawn with atlas coordinates as positions, and lit."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from math import floor, log2
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from metrics.kernels.launch import Strip
+from metrics.kernels.launch import Launcher, Strip
+from swimlab.render.atlas import Ints, Layout
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.samples import shade_samples
-from swimlab.render.kernels.structs import Grid
-from swimlab.render.kernels.texture_filter import ISOTROPIC, anisotropic_to
-from swimlab.render.kernels.texture_space import (
-    NEVER,
-    keep_needed,
-    mark,
-    only_segment,
-    reduce_needed,
-    unpremultiply,
-)
+from swimlab.render.kernels.packet import resolved
+from swimlab.render.kernels.target_filter import aligned, paged
+from swimlab.render.kernels.texture_filter import ISOTROPIC
+from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with
+from swimlab.render.kernels.tiles import TILE_LEVEL, light_tiles, reduce_coarse
 from swimlab.render.shot import Shot
-from swimlab.render.technique import shading
 from swimlab.render.texture import MipChain
-from swimlab.render.triangles import in_texture, narrowest, visibility
-
-TILE = 32
-"""Side of a tile, texels of level 0."""
-
-Need = NDArray[np.int32]
+from swimlab.render.triangles import Charts, in_texture, narrowest, visibility
 
 
 @dataclass(frozen=True)
 class Screen:
     """Which pixel sees which segment.
 
-    visible: [H, W] on the device, the triangle seen by each pixel. rows: segment in sight -> the first row that
-    sees it, and one past the last.
+    visible: [H, W] on the device, the triangle seen by each pixel. segments: those in sight, in order. targets: on the
+    device, of each triangle the place of its segment among these, or -1.
     """
 
     shot: Shot
     anisotropy: int
     visible: Any
-    rows: dict[int, tuple[int, int]]
-    segments: Any
+    segments: tuple[int, ...]
+    targets: Any
 
     @staticmethod
     def of(shot: Shot, anisotropy: int) -> "Screen":
         """Rasterise the screen once."""
-        launcher = shot.launcher
-        visible = visibility(launcher, shot.triangles, shot.grid(), Strip(0, shot.view.height))
-        seen = visible.numpy()
-        owner = np.where(seen >= 0, shot.mesh.segments[seen], np.iinfo(np.int64).min)
-        rows: dict[int, tuple[int, int]] = {}
-        for segment in np.unique(owner[seen >= 0]).tolist():
-            seen_in = np.flatnonzero(np.any(owner == segment, axis=1))
-            rows[segment] = int(seen_in[0]), int(seen_in[-1]) + 1
-        segments = launcher.array(shot.mesh.segments - int(shot.mesh.segments[0]), wp.int32)
-        return Screen(shot, anisotropy, visible, rows, segments)
+        launcher, height, width = shot.launcher, shot.view.height, shot.view.width
+        visible = launcher.empty((height, width), wp.int32)
+        grid, triangles = shot.grid(), shot.triangles
 
-    def need(self, segment: int, chain: Any) -> Need:
-        """The finest level that pasting a segment reads of each tile of a target, [tiles, tiles]."""
-        tile_level = tile_level_of(chain.width)
-        strips = self._strips(segment)
-        found = [self.shot.launcher.array(everywhere(chain.width, NEVER), wp.int32) for _ in strips]
+        def fill(strip: Strip) -> None:
+            rows = visible[strip.first : strip.first + strip.rows]
+            visibility(launcher, triangles, grid, strip, into=rows)
+
+        launcher.each(launcher.strips(height), fill)
+        owner = shot.mesh.segments
+        hits = np.bincount(visible.numpy().ravel() + 1, minlength=len(owner) + 1)[1:]
+        segments = np.unique(owner[hits > 0])
+        place = np.searchsorted(segments, owner)
+        found = place < len(segments)
+        found[found] = segments[place[found]] == owner[found]
+        targets = launcher.array(np.where(found, place, -1), wp.int32)
+        return Screen(shot, anisotropy, visible, tuple(segments.tolist()), targets)
+
+    def read(self, layout: Layout) -> Ints:
+        """The finest level that pasting reads of each tile, [entries]; NEVER where it reads nothing."""
+        launcher, shot = self.shot.launcher, self.shot
+        strips = launcher.strips(shot.view.height)
+        need = launcher.array(np.full((len(strips), layout.entries), NEVER), wp.int32)
+        atlas = layout.on(launcher, launcher.empty(0, wp.int32), self.targets)
+        kernel = mark_with(marking(self.anisotropy).on(launcher.device))
+        grid, planes = shot.grid(), shot.triangles.planes
 
         def fill(index: int) -> None:
-            arguments = [*strips[index], *self._arguments(segment), chain, tile_level, found[index]]
-            self.shot.launcher.launch(mark, 1, arguments)
+            strip = strips[index]
+            launcher.launch(kernel, strip.rows, [strip.first, grid, self.visible, planes, atlas, need[index]])
 
-        self.shot.launcher.each(range(len(strips)), fill)
-        need = np.minimum.reduce([each.numpy() for each in found])
+        launcher.each(range(len(strips)), fill)
+        found = need.numpy().min(axis=0).astype(np.int64)
         # Texels larger than a triangle may miss it, so they are shaded at a finer level and reduced.
-        coarsest = max(0, floor(log2(narrowest(self.shot.mesh, segment) * chain.width)))
-        return np.where(need == NEVER, NEVER, np.minimum(need, coarsest)).astype(np.int32)
+        texels = narrowest(shot.mesh, layout.segments) * layout.widths
+        coarsest = np.array([max(0, floor(log2(extent))) for extent in texels.tolist()], np.int64)
+        return np.where(found == NEVER, NEVER, np.minimum(found, coarsest[layout.owners]))
 
-    def paste(self, segment: int, target: MipChain, picture: Any) -> None:
-        """Fill the pixels of `picture` [H, W] that see a segment from its target: the light is the texture."""
+    def paste(self, atlas: Any, texels: Any) -> Any:
+        """The picture [H, W] on the device: the light is the texture."""
         launcher, shot = self.shot.launcher, self.shot
-        kernel = shade_samples(anisotropic_to(self.anisotropy).fill(4, launcher.device), unpremultiply, 4)
-        nothing, count = launcher.empty((0, 0), wp.vec4), launcher.empty(shot.view.height, wp.int32)
-
-        def fill(strip: Strip) -> None:
-            mine = launcher.empty((strip.rows, shot.view.width), wp.int32)
-            arguments = [strip.first, self._place(segment), self.visible, self.segments, mine]
-            launcher.launch(only_segment, mine.shape, arguments)
-            arguments = [strip.first, strip.first, 1, shot.grid(), mine, shot.triangles.planes]
-            arguments += [target.texels, target.shape, shot.sun, picture, nothing, count]
-            launcher.launch(kernel, strip.rows, arguments)
-
-        launcher.each(self._strips(segment), fill)
-
-    def _strips(self, segment: int) -> list[Strip]:
-        first, last = self.rows[segment]
-        return [Strip(first + strip.first, strip.rows) for strip in self.shot.launcher.strips(last - first)]
-
-    def _arguments(self, segment: int) -> list[Any]:
-        shot, place = self.shot, self._place(segment)
-        return [shot.grid(), self.anisotropy, place, self.visible, self.segments, shot.triangles.planes]
-
-    def _place(self, segment: int) -> int:
-        """A segment's number as `segments` has it, small enough for a kernel at any distance."""
-        return segment - int(self.shot.mesh.segments[0])
+        picture = launcher.zeros((shot.view.height, shot.view.width), wp.vec4)
+        kernel = paste_with(paged(self.anisotropy).on(launcher.device))
+        inputs = [shot.grid(), self.visible, shot.triangles.planes, atlas, texels, shot.sun, picture]
+        launcher.over(shot.view.height, kernel, (), inputs)
+        return picture
 
 
-@dataclass
+@dataclass(frozen=True)
+class Work:
+    """Tiles to be lit, by entry: `shade` and `keep`, the levels to shade at and the finest to keep, NEVER for none."""
+
+    layout: Layout
+    shade: Ints
+    keep: Ints
+
+
+class Jobs(NamedTuple):
+    """What `light_tiles` is given of some tiles, each lit as in some frame (see `swimlab.render.kernels.tiles`).
+
+    rows: [n, 4]. epochs: [n], the frame of each job. tiles, keep: on the device.
+    """
+
+    layout: Layout
+    rows: Ints
+    epochs: Ints
+    tiles: Any
+    keep: Any
+
+    @staticmethod
+    def of(launcher: Launcher, work: Work, epochs: Ints) -> "Jobs":
+        """The jobs of all tiles that are to be shaded. epochs: by entry."""
+        layout = work.layout
+        tiles = np.flatnonzero(work.shade != NEVER)
+        group = ((epochs[tiles] - epochs.min()) * len(layout.segments) + layout.owners[tiles]) * (NEVER + 1)
+        group += work.shade[tiles]
+        order = np.argsort(group, kind="stable")
+        tiles, group = tiles[order], group[order]
+        begins = np.flatnonzero(np.diff(group, prepend=-1))
+        place = np.arange(len(tiles)) - np.repeat(begins, np.diff(begins, append=len(tiles)))
+        target, level = layout.owners[tiles], work.shade[tiles]
+        together = 4 ** (TILE_LEVEL - layout.tile_levels[target] + level)
+        first = np.flatnonzero(place % together == 0)
+        rows = np.stack([target[first], level[first], first, np.diff(first, append=len(tiles))], axis=1)
+        on_device = launcher.array(tiles, wp.int32), launcher.array(work.keep[tiles], wp.int32)
+        return Jobs(layout, rows, epochs[tiles[first]], *on_device)
+
+
 class Lighting:
-    """Lights the targets of one frame. Targets of one size share one piece of memory, one after another."""
+    """Lights tiles as a frame's eye sees them, under that frame's sun."""
 
-    shot: Shot
-    inputs: Inputs
-    _targets: dict[int, MipChain] = field(default_factory=dict)
+    def __init__(self, shot: Shot, inputs: Inputs) -> None:
+        self.shot, self.inputs = shot, shot.inputs(inputs)
+        self._charts: tuple[Layout, Charts] | None = None
 
-    @cached_property
-    def _shade(self) -> Callable[..., None]:
-        return shading(self.shot, ISOTROPIC, 1, self.inputs)
+    def light(self, jobs: Jobs, atlas: Any, texels: Any) -> int:
+        """Light the jobs of this frame where the atlas says, but coarse levels; how many texels were shaded."""
+        launcher, charts = self.shot.launcher, self._charts_of(jobs.layout)
+        rows = jobs.rows[jobs.epochs == self.shot.frame]
+        ranges = launcher.array(charts.ranges, wp.vec2i)
+        shaded = 0
+        for way in self._ways(jobs.layout, rows, charts):
+            mine = launcher.array(np.ascontiguousarray(rows[way.jobs]), wp.int32)
+            lit = launcher.empty(len(mine), wp.int32)
+            inputs = [mine, jobs.tiles, jobs.keep, atlas, ranges, charts.triangles.edges, charts.triangles.planes]
+            inputs += [way.chain.texels, way.chain.shape, self.shot.sun, texels, lit]
+            launcher.over(len(mine), way.kernel, (), inputs, strip=max(32, len(mine) // (8 * launcher.threads)))
+            shaded += int(lit.numpy().sum(dtype=np.int64))
+        return shaded
 
-    @cached_property
-    def _shade_between(self) -> Callable[..., None]:
-        """For texels finer than the maps': two normals blended by magnification are no roughness."""
-        return shading(self.shot, ISOTROPIC, 1, BOX)
+    def _charts_of(self, layout: Layout) -> Charts:
+        """All segments of a layout in texture space."""
+        if self._charts is None or not self._charts[0].is_same(layout):
+            charts = in_texture(self.shot.launcher, self.shot.mesh, layout.segments, 1 / layout.widths)
+            self._charts = layout, charts
+        return self._charts[1]
 
-    def target(self, size: int) -> MipChain:
-        """A target of size x size texels, RGBA."""
-        if size not in self._targets:
-            chain = MipChain.allocate(self.shot.launcher, width=size, height=size, dtype=wp.vec4, clamps=True)
-            self._targets[size] = chain
-        return self._targets[size]
+    def _ways(self, layout: Layout, rows: Ints, charts: Charts) -> "list[Way]":
+        """The ways that jobs are lit in, by how their texels lie on those of the maps."""
+        size = self.shot.material.size
+        # Between texels of the maps two normals that are blended by magnification are no roughness.
+        between = layout.widths[rows[:, 0]] >> rows[:, 1] > max(size)
+        same = ~between & (size[0] == size[1]) & ~charts.widened[rows[:, 0]]
+        ways = [(same, self._aligned), (between, lambda: self._filtered(BOX)), (~between & ~same, self._filtered)]
+        return [Way(chosen, *make()) for chosen, make in ways if chosen.any()]
 
-    def light(self, segment: int, size: int, need: Need) -> tuple[MipChain, int]:
-        """Clear, shade and reduce the needed tiles of a segment's target; how many texels were shaded."""
-        target = self.target(size)
-        target.texels.zero_()
-        on_device = self.shot.launcher.array(need, wp.int32)
-        shaded = sum(self._light_level(level, segment, target, need, on_device) for level in np.unique(need).tolist())
-        for level in range(1, target.shape.levels):
-            self._reduce(level, target, on_device)
-        return target, shaded
+    def _aligned(self) -> tuple[wp.Kernel, MipChain]:
+        chain = self.shot.material.resolved(self.inputs)
+        fill = aligned(chain.floats).on(self.shot.launcher.device)
+        return light_tiles(fill, self.shot.shade_packet(self.inputs, chain.floats), chain.floats), chain
 
-    def _light_level(self, level: int, segment: int, target: MipChain, need: Need, on_device: Any) -> int:
-        """Shade the tiles that are needed at one level."""
-        if level == NEVER:
-            return 0
-        launcher, side = self.shot.launcher, target.shape.width >> level
-        triangles = in_texture(launcher, self.shot.mesh, segment, 1 / side)
-        first = int(target.shape.offsets.numpy()[level])
-        texels = target.texels[first : first + side * side].reshape((side, side))
-        shaded = launcher.zeros(side, wp.int32)
-        nothing = launcher.empty((0, 0), wp.vec4)
-        tile = min(target.shape.width, TILE) >> level
-        shade = self._shade_between if side > max(self.shot.material.size) else self._shade
-
-        def fill(strip: Strip) -> None:
-            rows = slice(strip.first // tile, (strip.first + strip.rows - 1) // tile + 1)
-            columns = np.flatnonzero(np.any(need[rows] == level, axis=0))
-            if not columns.size:
-                return
-            left, right = int(columns[0]) * tile, (int(columns[-1]) + 1) * tile
-            grid: Any = Grid()
-            grid.origin, grid.pitch = wp.vec2d(left / side, 0.0), wp.vec2d(1 / side, 1 / side)
-            grid.width, grid.height = right - left, side
-            visible = visibility(launcher, triangles, grid, strip)
-            if np.any(need[rows, columns[0] : columns[-1] + 1] != level):
-                arguments = [strip.first, left, level, tile_level_of(target.shape.width), on_device, visible]
-                launcher.launch(keep_needed, (strip.rows, right - left), arguments)
-            shade(grid, triangles, visible, strip, texels[:, left:right], nothing, shaded)
-
-        launcher.each(launcher.strips(side), fill)
-        return int(shaded.numpy().sum(dtype=np.int64))
-
-    def _reduce(self, level: int, target: MipChain, need: Any) -> None:
-        launcher, side = self.shot.launcher, target.shape.width >> level
-        tile_level = tile_level_of(target.shape.width)
-
-        def fill(strip: Strip) -> None:
-            arguments = [strip.first, level, tile_level, need, target.shape, target.texels]
-            launcher.launch(reduce_needed, strip.rows, arguments)
-
-        launcher.each(launcher.strips(side), fill)
+    def _filtered(self, inputs: Inputs | None = None) -> tuple[wp.Kernel, MipChain]:
+        inputs = inputs or self.inputs
+        chain = self.shot.material.chain(inputs)
+        fill = ISOTROPIC.fill(chain.floats, self.shot.launcher.device)
+        if inputs.resolve is not None:
+            fill = resolved(fill, inputs.resolve, chain.floats)
+        return light_tiles(fill, self.shot.shade_packet(inputs, chain.floats), chain.floats), chain
 
 
-def tile_level_of(size: int) -> int:
-    """The level of a target at which one texel covers one tile."""
-    return min(size, TILE).bit_length() - 1
+class Way(NamedTuple):
+    """Jobs that are lit by one kernel from one chain."""
+
+    jobs: NDArray[np.bool_]
+    kernel: wp.Kernel
+    chain: MipChain
 
 
-def everywhere(size: int, level: int) -> Need:
-    """Every tile of a target at one level."""
-    tiles = max(1, size // TILE)
-    return np.full((tiles, tiles), level, np.int32)
+def reduce_targets(launcher: Launcher, atlas: Any, texels: Any) -> None:
+    """Fill the coarse levels of all targets from their tiles."""
+    launcher.over(len(atlas.widths), reduce_coarse, (), [atlas, texels])

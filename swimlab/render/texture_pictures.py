@@ -2,21 +2,21 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
+from swimlab.render.atlas import Pool
 from swimlab.render.catalogue import model_of
 from swimlab.render.inputs import Inputs
 from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Need, Screen
-from swimlab.render.techniques.tsl import TslSettings, lit_targets
-from swimlab.render.texture import MipChain
+from swimlab.render.target import Jobs, Lighting, Screen, Work
+from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
 from swimlab.runs.provenance import SWIMLAB
@@ -38,17 +38,17 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     """Write RUN/targets/FRAME/SEGMENT.exr and .png for each segment in sight.
 
     The EXR holds the light as it is pasted, linear RGBA, row 0 at v = 0. The PNG has the normals at the left and the
-    light at the right, both under the deck's square root, v upwards. A tile is shown at the level it was shaded at.
+    light at the right, both under the deck's square root, v upwards. A tile is shown at the level it was shaded at,
+    in the light of its own frame.
     """
     settings = TslSettings.model_validate(shot.sequence.techniques.get("tsl", {}))
-    screen = Screen.of(shot, settings.anisotropy)
-    normals = Lighting(shot, NORMALS)
+    work = planned(Screen.of(shot, settings.anisotropy), settings)
+    lightings = [Lighting(shot, inputs) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []
-    for lit in lit_targets(shot, settings, screen):
-        light = flattened(lit.target, lit.need)
-        bumps = flattened(normals.light(lit.segment, lit.target.shape.width, lit.need)[0], lit.need)
-        path = folder / f"{lit.segment:04d}.exr"
+    for target, segment in enumerate(work.layout.segments):
+        light, bumps = (picture_of(target, work, lighting) for lighting in lightings)
+        path = folder / f"{segment:04d}.exr"
         write_channels(path, light, COLOUR, half=False, metadata=metadata)
         both = np.concatenate([bumps[::-1, :, :3], light[::-1, :, :3]], axis=1)
         codes = np.rint(255 * np.sqrt(np.clip(both, 0, 1))).astype(np.uint8)
@@ -58,19 +58,29 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     return written
 
 
-def flattened(target: MipChain, need: Need) -> Image:
-    """A target as one picture [size, size, 4]: each tile at the level it was shaded at, 0 where it was not."""
-    size = target.shape.width
-    texels, offsets = target.texels.numpy(), target.shape.offsets.numpy()
-    levels = np.kron(need, np.ones((size // len(need),) * 2, np.int32))
-    out = np.zeros((size, size, 4), np.float32)
-    for level in np.unique(need[need != NEVER]).tolist():
-        side = size >> level
-        first = int(offsets[level])
-        picture = texels[first : first + side * side].reshape(side, side, 4)
-        mine: Any = levels == level
-        out[mine] = picture.repeat(1 << level, axis=0).repeat(1 << level, axis=1)[mine]
-    return out
+def picture_of(target: int, work: Work, lighting: Lighting) -> Image:
+    """A target as one picture [size, size, 4]: each tile at the level it is shaded at, 0 where it is not."""
+    launcher, layout = lighting.shot.launcher, work.layout
+    mine = layout.is_tile & (layout.owners == target)
+    levels = np.where(mine, work.shade, NEVER)
+    lit = mine & (levels != NEVER)
+    coarse = int(layout.firsts[target]) - 1
+    pool, keep = Pool(launcher), layout.with_coarse(levels)
+    start = pool.hold(layout, keep)
+    atlas = layout.on(launcher, layout.table(launcher, keep, start), launcher.empty(0, wp.int32))
+    epochs = np.full(layout.entries, lighting.shot.frame)
+    lighting.light(Jobs.of(launcher, Work(layout, levels, levels), epochs), atlas, pool.texels)
+    texels = pool.texels.numpy()
+    across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
+    out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)
+    for entry in np.flatnonzero(lit).tolist():
+        place, side = entry - coarse - 1, 1 << (tile_level - int(levels[entry]))
+        first = start[entry] if side > 1 else start[coarse] + place
+        tile = texels[first : first + side * side].reshape(side, side, 4)
+        each = (1 << tile_level) // side
+        out[place // across, place % across] = tile.repeat(each, axis=0).repeat(each, axis=1)
+    size = int(layout.widths[target])
+    return np.ascontiguousarray(out.swapaxes(1, 2)).reshape(size, size, 4)
 
 
 def write_run_targets(

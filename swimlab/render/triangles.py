@@ -4,6 +4,7 @@ All in double precision, before the rasteriser. The same code serves the screen,
 texture space, where they are the atlas coordinates: there is one rasteriser.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -62,26 +63,58 @@ def on_screen(
     return replace(triangles, back_faces=int(np.sum(~facing)), slivers=int(np.sum(slivers)))
 
 
-def in_texture(launcher: Launcher, mesh: Mesh, segment: int, texel: float) -> Triangles:
-    """One segment's triangles drawn with atlas coordinates as positions; the image is the unit square.
+@dataclass(frozen=True)
+class Charts:
+    """Charts in texture space: their triangles, and of each chart the first and one past the last of these.
 
-    Triangles that face away from the eye are left out (Sloan & Baker, Drawing polygons on the backside). A chart
-    narrower than a texel is widened to one about its middle, as it might hold no texel's centre.
+    widened: whether a chart was widened to a texel.
     """
-    mine = mesh.segments == segment
+
+    triangles: Triangles
+    ranges: NDArray[np.int32]
+    widened: NDArray[np.bool_]
+
+
+def in_texture(launcher: Launcher, mesh: Mesh, segments: Sequence[int], texels: Doubles) -> Charts:
+    """Some segments, in order, with their atlas coordinates as positions; (0, 0) to (1, 1) is a whole target.
+
+    Triangles that face away from the eye are left out (Sloan & Baker, Drawing polygons on the backside). texels: the
+    side of a texel of each target. A chart narrower than that is widened to it about its middle, as it might hold no
+    texel's centre.
+    """
+    mine = np.isin(mesh.segments, segments)
     chosen = np.flatnonzero(mine & mesh.facing)
-    chart = mesh.uv[mesh.triangles[chosen]].reshape(-1, 2)
-    low, high = chart.min(axis=0), chart.max(axis=0)
-    wider = np.maximum(1.0, texel / np.maximum(high - low, 1e-12))
-    middle = (low + high) / 2
-    points = np.concatenate([middle + (mesh.uv - middle) * wider, np.ones((len(mesh.uv), 1))], axis=1)
-    return replace(set_up(launcher, points, mesh, chosen), back_faces=int(np.sum(mine & ~mesh.facing)))
+    owners = mesh.segments[chosen]
+    ranges = np.stack([np.searchsorted(owners, segments, side=side) for side in ("left", "right")], axis=1)
+    low, high = _extents(mesh, chosen, ranges)
+    widened = np.any(high - low < texels[:, None], axis=1)
+    points = np.concatenate([mesh.uv, np.ones((len(mesh.uv), 1))], axis=1)
+    for k in np.flatnonzero(widened).tolist():
+        vertices = np.unique(mesh.triangles[chosen[slice(*ranges[k])]])
+        middle = (low[k] + high[k]) / 2
+        wider = np.maximum(1.0, texels[k] / np.maximum(high[k] - low[k], 1e-12))
+        points[vertices, :2] = middle + (mesh.uv[vertices] - middle) * wider
+    triangles = replace(set_up(launcher, points, mesh, chosen), back_faces=int(np.sum(mine & ~mesh.facing)))
+    return Charts(triangles, ranges.astype(np.int32), widened)
 
 
-def narrowest(mesh: Mesh, segment: int) -> float:
-    """The least extent in u or v of a segment's triangles that face the eye."""
-    corners = mesh.uv[mesh.triangles[(mesh.segments == segment) & mesh.facing]]
-    return float(np.min(corners.max(axis=1) - corners.min(axis=1)))
+def _extents(mesh: Mesh, chosen: NDArray[np.int64], ranges: NDArray[np.int64]) -> tuple[Doubles, Doubles]:
+    """Lowest and highest uv of each range of the chosen triangles; 0 and 1 where it has none."""
+    low, high = np.zeros((len(ranges), 2)), np.ones((len(ranges), 2))
+    some = ranges[:, 0] < ranges[:, 1]
+    if some.any():
+        corners = mesh.uv[mesh.triangles[chosen]]
+        low[some] = np.minimum.reduceat(corners.min(axis=1), ranges[some, 0])
+        high[some] = np.maximum.reduceat(corners.max(axis=1), ranges[some, 0])
+    return low, high
+
+
+def narrowest(mesh: Mesh, segments: Sequence[int]) -> Doubles:
+    """The least extent in u or v of the triangles of each of some segments in sight, in order, that face the eye."""
+    chosen = np.flatnonzero(np.isin(mesh.segments, segments) & mesh.facing)
+    corners = mesh.uv[mesh.triangles[chosen]]
+    extent = np.min(corners.max(axis=1) - corners.min(axis=1), axis=1)
+    return np.asarray(np.minimum.reduceat(extent, np.searchsorted(mesh.segments[chosen], segments)))
 
 
 def set_up(
@@ -117,12 +150,14 @@ def set_up(
     )
 
 
-def visibility(launcher: Launcher, triangles: Triangles, grid: Any, strip: Strip, n: int = 1) -> Any:
+def visibility(
+    launcher: Launcher, triangles: Triangles, grid: Any, strip: Strip, n: int = 1, *, into: Any = None
+) -> Any:
     """The index of the triangle seen by each of the n x n samples of a strip's pixels, -1 for none.
 
-    Returns an int32 device array [strip.rows * n, grid.width].
+    Returns an int32 device array [strip.rows * n, grid.width], which is `into` where that is given.
     """
-    visible = launcher.empty((strip.rows * n, grid.width), wp.int32)
+    visible = launcher.empty((strip.rows * n, grid.width), wp.int32) if into is None else into
     inputs = [strip.first * n, grid, triangles.edges, triangles.planes, triangles.bounds, visible]
     launcher.launch(rasterise, strip.rows * n, inputs)
     return visible

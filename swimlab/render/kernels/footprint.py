@@ -3,6 +3,8 @@
 Everything here is in double precision: texel addresses must hold after kilometres of driving and at the horizon.
 """
 
+from typing import Any
+
 import warp as wp
 
 from swimlab.render.kernels.structs import Chain, Grid, Planes, Surface
@@ -41,7 +43,7 @@ def surface_at(planes: Planes, grid: Grid, p: wp.vec2d) -> Surface:
 
 
 @wp.func
-def in_texels(derivative: wp.vec2d, chain: Chain) -> wp.vec2d:
+def in_texels(derivative: wp.vec2d, chain: Any) -> wp.vec2d:
     """A derivative of uv in texels of level 0."""
     return wp.vec2d(derivative[0] * wp.float64(chain.width), derivative[1] * wp.float64(chain.height))
 
@@ -53,7 +55,7 @@ def isotropic_level(surface: Surface, chain: Chain) -> wp.float64:
 
 
 @wp.func
-def ellipse(surface: Surface, chain: Chain) -> Ellipse:
+def ellipse(surface: Surface, chain: Any) -> Ellipse:
     """Axes of the footprint: singular values and left singular vector of J = [d(uv)/dx, d(uv)/dy] in texels.
 
     Heckbert 1989, Fundamentals of Texture Mapping; the derivatives themselves are not the axes of a sheared footprint.

@@ -73,7 +73,7 @@ def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
 
 
 @functools.cache
-def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
+def filtered_samples(fill: wp.Function, width: int, shape: Any = Chain) -> wp.Kernel:
     """The kernel that fills `count` lanes of a packet a thread from `places` [N, PLACES].
 
     The texels go to `out` [N, width * LANES].
@@ -84,7 +84,7 @@ def filtered_samples(fill: wp.Function, width: int) -> wp.Kernel:
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         texels: wp.array(dtype=texel_type),
-        chain: Chain,
+        chain: shape,
         count: wp.int32,
         places: wp.array2d(dtype=wp.float64),
         out: wp.array2d(dtype=wp.float32),

@@ -7,6 +7,7 @@ of `lanes`.
 """
 
 import functools
+from typing import Any
 
 import warp as wp
 
@@ -132,10 +133,10 @@ def footprint_of(places: wp.array(dtype=wp.float64), lane: wp.int32) -> Surface:
 
 
 @functools.cache
-def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
+def each_lane(texture_filter: wp.Function, width: int, shape: Any = Chain) -> wp.Function:
     """The filling of a packet with filtered texels lane by lane: the plain form of every filter.
 
-    `texture_filter(texels, chain, surface) -> texel`, of `width` floats.
+    `texture_filter(texels, chain, surface) -> texel`, of `width` floats. shape: the kind of the chain.
     """
     texel_type = TEXELS[width]
     put = put_in(width).native
@@ -143,7 +144,7 @@ def each_lane(texture_filter: wp.Function, width: int) -> wp.Function:
     @wp.func(module="unique")
     def fill(
         texels: wp.array(dtype=texel_type),
-        chain: Chain,
+        chain: shape,
         places: wp.array(dtype=wp.float64),
         count: wp.int32,
         lanes: wp.array(dtype=wp.float32),

@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from swimlab.render.kernels.footprint import ellipse, isotropic_level
-from swimlab.render.kernels.structs import TEXELS, Chain, Surface
+from swimlab.render.kernels.structs import TEXELS, Chain, Pages, Surface
 
 LEAST_BLEND = 1e-6
 """A coarser level that would weigh less than float rounding is not read."""
@@ -32,6 +32,26 @@ def fetch(texels: wp.array(dtype=Any), chain: Chain, level: wp.int32, i: wp.int3
     return texels[chain.offsets[level] + j * width + i]
 
 
+@wp.func
+def fetch(texels: wp.array(dtype=Any), chain: Pages, level: wp.int32, i: wp.int32, j: wp.int32):  # noqa: F811
+    """Texel (i, j) of a level of which the tile is held."""
+    width = wp.max(chain.width >> level, 1)
+    i = wp.clamp(i, 0, width - 1)
+    j = wp.clamp(j, 0, width - 1)
+    # Of the block that holds the texel: texels a side at this level and at the block's finest, log2 of the former.
+    shift = wp.int32(31)
+    side = width
+    finest = chain.width >> chain.tile_level
+    entry = chain.first - 1
+    if level < chain.tile_level:
+        shift = chain.tile_level - level
+        side = 1 << shift
+        finest = 1 << chain.tile_level
+        entry = chain.first + (j >> shift) * (chain.width >> chain.tile_level) + (i >> shift)
+    before = 4 * (finest * finest - side * side) / 3
+    return texels[chain.table[entry] + before + (j & (side - 1)) * side + (i & (side - 1))]
+
+
 @wp.kernel
 def halve(level: wp.int32, chain: Chain, texels: wp.array(dtype=Any)):
     """Fill one texel of `level` from the level below; a side that is already 1 texel long stays so."""
@@ -51,6 +71,18 @@ HALVE = {
 """`halve` for every kind of texel."""
 
 
+@functools.cache
+def resolving(resolve: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that applies `resolve(texel, chain)` to every texel of a chain, of `width` floats."""
+    texel_type = TEXELS[width]
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(texels: wp.array(dtype=texel_type), chain: Chain, out: wp.array(dtype=texel_type)):
+        out[wp.tid()] = resolve(texels[wp.tid()], chain)
+
+    return kernel
+
+
 @wp.func
 def point(texels: wp.array(dtype=Any), chain: Chain, uv: wp.vec2d):
     """The texel of level 0 that holds uv: floor(u n), floor(v n). A place within rounding of an edge is beyond it."""
@@ -61,7 +93,7 @@ def point(texels: wp.array(dtype=Any), chain: Chain, uv: wp.vec2d):
 
 
 @wp.func
-def bilinear(texels: wp.array(dtype=Any), chain: Chain, level: wp.int32, uv: wp.vec2):
+def bilinear(texels: wp.array(dtype=Any), chain: Any, level: wp.int32, uv: wp.vec2):
     """The four nearest texels of a level, weighted by nearness."""
     x = uv[0] * wp.float32(wp.max(chain.width >> level, 1)) - 0.5
     y = uv[1] * wp.float32(wp.max(chain.height >> level, 1)) - 0.5
@@ -77,7 +109,7 @@ def bilinear(texels: wp.array(dtype=Any), chain: Chain, level: wp.int32, uv: wp.
 
 
 @wp.func
-def trilinear(texels: wp.array(dtype=Any), chain: Chain, lod: wp.float32, uv: wp.vec2):
+def trilinear(texels: wp.array(dtype=Any), chain: Any, lod: wp.float32, uv: wp.vec2):
     """Bilinear samples of the two levels about `lod` (clamped to the chain), blended linearly."""
     lod = wp.clamp(lod, 0.0, wp.float32(chain.levels - 1))
     level = wp.int32(lod)
@@ -111,7 +143,7 @@ class Probes:
 
 
 @wp.func
-def probes_of(surface: Surface, chain: Chain, most: wp.int32) -> Probes:
+def probes_of(surface: Surface, chain: Any, most: wp.int32) -> Probes:
     """Up to `most` probes, evenly along the footprint's major axis.
 
     With singular values s1 >= s2 of the footprint in texels: N = 1 where s1 <= 1, else
@@ -138,7 +170,7 @@ def probes_of(surface: Surface, chain: Chain, most: wp.int32) -> Probes:
 
 
 @wp.func
-def anisotropic(texels: wp.array(dtype=Any), chain: Chain, surface: Surface, most: wp.int32):
+def anisotropic(texels: wp.array(dtype=Any), chain: Any, surface: Surface, most: wp.int32):
     """The mean of the trilinear samples at `probes_of` the footprint."""
     probes = probes_of(surface, chain, most)
     total = trilinear(texels, chain, probes.lod, probes.first)
@@ -152,7 +184,7 @@ def anisotropic_to(most: int) -> wp.Function:
     """The anisotropic filter with up to `most` probes, as a technique's texture filter."""
 
     @wp.func(module="unique")
-    def stretched(texels: wp.array(dtype=Any), chain: Chain, surface: Surface):
+    def stretched(texels: wp.array(dtype=Any), chain: Any, surface: Surface):
         return anisotropic(texels, chain, surface, most)
 
     return stretched

@@ -49,6 +49,25 @@ class Chain:
 
 
 @wp.struct
+class Pages:
+    """The shape of a chain of levels that is not stored whole: a target of which only some tiles are held.
+
+    It is square and clamped. A tile is one texel of level `tile_level`; its finer levels lie one after another, from
+    the finest that is held. The levels from `tile_level` on lie one after another as in a Chain.
+    `table` has at `first` - 1 the texel where these begin, and from `first` on, tile by tile, row by row, the texel
+    where a tile would begin if it had level 0.
+    """
+
+    width: wp.int32
+    height: wp.int32
+    levels: wp.int32
+    clamps: wp.int32
+    tile_level: wp.int32
+    first: wp.int32
+    table: wp.array(dtype=wp.int32)
+
+
+@wp.struct
 class Sun:
     """The light: `direction` towards it in world axes, and the deck's diffuse intensity."""
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from typing import Any
 
 import warp as wp
 
@@ -16,7 +17,7 @@ from metrics.kernels.forms import Form, Twins, Within, form
 from swimlab.render.kernels import sampling
 from swimlab.render.kernels.cpp import LOGARITHM
 from swimlab.render.kernels.packet import WIDTHS, each_lane
-from swimlab.render.kernels.structs import LANES, TEXELS
+from swimlab.render.kernels.structs import LANES, TEXELS, Chain
 
 AGREES = Within("native filter against plain")
 
@@ -130,7 +131,7 @@ def _part(name: str, kind: str, first: int, width: int) -> tuple[str, str, str]:
 TRANSPOSED = """
     for (; done + 8 <= count; done += 8) {
         vec_a r[8], s[8];
-        for (int i = 0; i < 8; ++i) r[i] = sum_whole[done + i]*share[done + i];
+        for (int i = 0; i < 8; ++i) r[i] = VALUE;
         for (int i = 0; i < 8; i += 2) {
             s[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
             s[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
@@ -145,13 +146,18 @@ TRANSPOSED = """
         }
     }
 """
-"""Code that leaves the means of eight lanes at a time, eight floats each, in the first rows of the packet."""
+"""Code that leaves the VALUE of lane `done + i`, eight floats, in the first rows of a packet, eight lanes at a time."""
+
+
+def transposed(value: str) -> str:
+    """That code for some value, a vec_a of lane `done + i`."""
+    return TRANSPOSED.replace("LANES", str(LANES)).replace("VALUE", value)
 
 
 def _store(name: str, first: int, floats: int) -> str:
     """Code that leaves the mean of the other lanes' probes in rows `first`... of the packet."""
     rows = "".join(f" out[{(first + i) * LANES} + k] = mean{f'.s{i:x}' if floats > 1 else ''};" for i in range(floats))
-    blocks = TRANSPOSED.replace("LANES", str(LANES)) if floats == 8 else ""
+    blocks = transposed("sum_whole[done + i]*share[done + i]") if floats == 8 else ""
     return f"""
     done = 0;
 {blocks}
@@ -159,8 +165,8 @@ def _store(name: str, first: int, floats: int) -> str:
 """
 
 
-def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
-    """A filter of texels of `width` floats, by the code of its probes."""
+def filter_of(plain: wp.Function, probes: str, width: int, addresses: str = ADDRESSES, shape: Any = Chain) -> Twins:
+    """A filter of texels of `width` floats, by the code of its probes and of where a chain of some shape has texels."""
     parts = [("whole", "vec_a", 0, min(width, 8))]
     if width > 8:
         parts.append(("rest", "vec_b", 8, width - 8))
@@ -182,7 +188,7 @@ def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
     int number[{LANES}];
 {LOG2}
 {probes.replace("LANES", str(LANES))}
-{ADDRESSES.replace("LANES", str(LANES))}
+{addresses.replace("LANES", str(LANES))}
 {"".join(sums)}
 {"".join(taps)}
     for (int i = 0; i < most; ++i) {{
@@ -197,25 +203,25 @@ def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
 {"".join(_store(name, first, floats) for name, _, first, floats in parts)}
 """
 
-    return Twins(each_lane(plain, width), native, width)
+    return Twins(each_lane(plain, width, shape), native, width)
 
 
 @form(cases=WIDTHS, agrees=AGREES)
 def finest(width: int) -> Twins:
     """Bilinear samples of level 0 into a packet of texels of `width` floats."""
-    return _filter(sampling.finest, FINEST_PROBE, width)
+    return filter_of(sampling.finest, FINEST_PROBE, width)
 
 
 @form(cases=WIDTHS, agrees=AGREES)
 def isotropic(width: int) -> Twins:
     """Trilinear samples at the level of the longer derivative."""
-    return _filter(sampling.isotropic, ISOTROPIC_PROBE, width)
+    return filter_of(sampling.isotropic, ISOTROPIC_PROBE, width)
 
 
 @form(cases=product(TEXELS, (1, 3, 16)), agrees=AGREES)
 def anisotropic(width: int, most: int) -> Twins:
     """Means of up to `most` probes along each footprint's major axis."""
-    return _filter(sampling.anisotropic_to(most), ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
+    return filter_of(sampling.anisotropic_to(most), ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
 
 
 @dataclass(frozen=True)

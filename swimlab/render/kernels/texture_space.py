@@ -1,23 +1,54 @@
-"""Texture-space lighting beside shading itself: find the texels that will be read, reduce only these, paste them.
+"""Texture-space lighting beside shading itself: which texels a picture reads, and pasting the light.
 
-A target is cut into square tiles, each one texel of level `tile_level`; `need[tile]` is the finest level that is read
-anywhere in the tile, or NEVER. A tile is shaded at that level; its coarser levels are made by reduction.
+A target is cut into square tiles, each one texel of level `tile_level`. Of each tile the finest level is noted that is
+read anywhere in it, or NEVER. An Atlas says how large the targets are and where their tiles are held.
 """
 
+import functools
 from typing import Any
 
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
-from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.raster import sample_position
+from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, rows_of
+from swimlab.render.kernels.samples import gathering
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
-from swimlab.render.kernels.structs import LANES, Chain, Grid, Planes, Sun
+from swimlab.render.kernels.structs import LANES, Grid, Pages, Planes, Sun
+from swimlab.render.kernels.texture_filter import ANISOTROPIC_PROBES, LOG2
 
 NEVER = 127
 """The level of a tile that nothing reads."""
 
 wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Atlas:
+    """All targets of a frame: texels a side, levels, `first` and `table` as in Pages; by target.
+
+    targets: the target of each triangle of the scene, -1 where it is not in sight.
+    """
+
+    widths: wp.array(dtype=wp.int32)
+    levels: wp.array(dtype=wp.int32)
+    tile_levels: wp.array(dtype=wp.int32)
+    firsts: wp.array(dtype=wp.int32)
+    table: wp.array(dtype=wp.int32)
+    targets: wp.array(dtype=wp.int32)
+
+
+@wp.func
+def pages_of(atlas: Atlas, target: wp.int32) -> Pages:
+    """The shape of one target."""
+    pages = Pages()
+    pages.width = atlas.widths[target]
+    pages.height = pages.width
+    pages.levels = atlas.levels[target]
+    pages.clamps = 1
+    pages.tile_level = atlas.tile_levels[target]
+    pages.first = atlas.firsts[target]
+    pages.table = atlas.table
+    return pages
 
 
 @wp.func
@@ -28,139 +59,92 @@ def normal_as_colour(texel: Any, light: wp.vec3, view: wp.vec3, diffuse: wp.floa
 
 
 @wp.func
-def ask(need: wp.array2d(dtype=wp.int32), chain: Chain, tile_level: wp.int32, level: wp.int32, uv: wp.vec2):
+def ask(need: wp.array(dtype=wp.int32), pages: Pages, level: wp.int32, uv: wp.vec2):
     """Note that a bilinear sample reads `level` at uv."""
-    width = wp.max(chain.width >> level, 1)
-    height = wp.max(chain.height >> level, 1)
+    width = pages.width >> level
     left = wp.int32(wp.floor(uv[0] * wp.float32(width) - 0.5))
-    top = wp.int32(wp.floor(uv[1] * wp.float32(height) - 0.5))
-    first_i = (wp.clamp(left, 0, width - 1) << level) >> tile_level
-    first_j = (wp.clamp(top, 0, height - 1) << level) >> tile_level
-    last_i = (((wp.clamp(left + 1, 0, width - 1) + 1) << level) - 1) >> tile_level
-    last_j = (((wp.clamp(top + 1, 0, height - 1) + 1) << level) - 1) >> tile_level
-    finest = wp.min(level, tile_level)
+    top = wp.int32(wp.floor(uv[1] * wp.float32(width) - 0.5))
+    first_i = (wp.clamp(left, 0, width - 1) << level) >> pages.tile_level
+    first_j = (wp.clamp(top, 0, width - 1) << level) >> pages.tile_level
+    last_i = (((wp.clamp(left + 1, 0, width - 1) + 1) << level) - 1) >> pages.tile_level
+    last_j = (((wp.clamp(top + 1, 0, width - 1) + 1) << level) - 1) >> pages.tile_level
+    finest = wp.min(level, pages.tile_level)
     for j in range(first_j, last_j + 1):
         for i in range(first_i, last_i + 1):
-            if need[j, i] > finest:
-                need[j, i] = finest
+            wp.atomic_min(need, pages.first + j * (pages.width >> pages.tile_level) + i, finest)
 
 
-@wp.kernel
-def mark(
-    first_row: wp.int32,
-    rows: wp.int32,
-    grid: Grid,
-    most: wp.int32,
-    segment: wp.int32,
-    visible: wp.array2d(dtype=wp.int32),
-    segments: wp.array(dtype=wp.int32),
-    planes: wp.array(dtype=Planes),
-    chain: Chain,
-    tile_level: wp.int32,
-    need: wp.array2d(dtype=wp.int32),
-):
-    """Note every texel that pasting one segment onto some rows will read. One thread; callers take the least of all."""
-    for j in range(first_row, first_row + rows):
-        for i in range(visible.shape[1]):
-            triangle = visible[j, i]
-            if triangle >= 0 and segments[triangle] == segment:
-                surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
-                probes = probes_of(surface, chain, most)
-                lod = wp.clamp(probes.lod, 0.0, wp.float32(chain.levels - 1))
-                level = wp.int32(lod)
-                for k in range(probes.count):
-                    uv = probes.first + probes.step * wp.float32(k)
-                    ask(need, chain, tile_level, level, uv)
-                    if lod - wp.float32(level) > LEAST_BLEND:
-                        ask(need, chain, tile_level, level + 1, uv)
-
-
-@wp.kernel
-def keep_needed(
-    first_row: wp.int32,
-    first_column: wp.int32,
-    level: wp.int32,
-    tile_level: wp.int32,
-    need: wp.array2d(dtype=wp.int32),
-    visible: wp.array2d(dtype=wp.int32),
-):
-    """Mark texels of a band of `level` as not visible where their tile is shaded at another level."""
-    row, i = wp.tid()
-    tile_j = ((first_row + row) << level) >> tile_level
-    tile_i = ((first_column + i) << level) >> tile_level
-    if need[tile_j, tile_i] != level:
-        visible[row, i] = -1
-
-
-REDUCE = """
-    const int side = chain.width >> level, below = 2*side;
-    const int* wanted = (const int*)((const char*)need.data + (long)((j << level) >> tile_level)*need.strides[0]);
-    const auto* upper = texels.data + chain.offsets.data[level - 1] + (long)2*j*below;
-    const auto* lower = upper + below;
-    auto* out = texels.data + chain.offsets.data[level] + (long)j*side;
-    for (int i = 0; i < side; ++i)
-        if (wanted[(i << level) >> tile_level] < level)
-            out[i] = ((upper[2*i] + upper[2*i + 1]) + (lower[2*i] + lower[2*i + 1]))*0.25f;
+MARK = """
+    const double* __restrict q = places.data;
+    const double W = (double)pages.width, H = W;
+    float lod[LANES], fu[LANES], fv[LANES], su[LANES], sv[LANES];
+    int number[LANES];
+PROBES
+    const int tile_level = pages.tile_level, tiles = pages.width >> tile_level, full = pages.width;
+    const float coarsest = (float)(pages.levels - 1);
+    int* __restrict wanted = need.data + pages.first;
+    int level[2][LANES], key[LANES], before[2][LANES], probes = 1, blended = 0;
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
+        level[0][k] = (int)l;
+        const int both = l - (float)level[0][k] > 1.0e-6f;
+        level[1][k] = level[0][k] + both;
+        before[0][k] = -1; before[1][k] = both ? -1 : -2;
+        probes = number[k] > probes ? number[k] : probes;
+        blended |= both;
+    }
+    // The tiles that a sample touches, first and last column and row, in one number.
+    for (int i = 0; i < probes; ++i) for (int o = 0; o <= blended; ++o) {
+        #pragma clang loop vectorize(assume_safety)
+        for (int k = 0; k < count; ++k) {
+            const int l = level[o][k], r = (full >> l) - 1;
+            const float w = (float)(r + 1);
+            const int left = (int)__builtin_floorf((fu[k] + su[k]*(float)i)*w - 0.5f), right = left + 1;
+            const int top = (int)__builtin_floorf((fv[k] + sv[k]*(float)i)*w - 0.5f), low = top + 1;
+            const int a0 = left < 0 ? 0 : left > r ? r : left, a1 = right < 0 ? 0 : right > r ? r : right;
+            const int b0 = top < 0 ? 0 : top > r ? r : top, b1 = low < 0 ? 0 : low > r ? r : low;
+            const unsigned c0 = (a0 << l) >> tile_level, c1 = (((a1 + 1) << l) - 1) >> tile_level;
+            const unsigned r0 = (b0 << l) >> tile_level, r1 = (((b1 + 1) << l) - 1) >> tile_level;
+            key[k] = (int)(c0 | c1 << 8 | r0 << 16 | r1 << 24);
+        }
+        int done = 0, done_level = -1;
+        for (int k = 0; k < count; ++k) {
+            if (i >= number[k] || before[o][k] == -2 || (i > 0 && key[k] == before[o][k])) continue;
+            before[o][k] = key[k];
+            const int finest = level[o][k] < tile_level ? level[o][k] : tile_level;
+            if (key[k] == done && finest == done_level) continue;
+            done = key[k]; done_level = finest;
+            const unsigned u = (unsigned)done;
+            for (unsigned j = u >> 16 & 255; j <= u >> 24; ++j)
+                for (unsigned c = u & 255; c <= (u >> 8 & 255); ++c)
+                    if (wanted[j*tiles + c] > finest) wanted[j*tiles + c] = finest;
+        }
+    }
 """
 
 
-@form()
-def row_reduction() -> Twins:
-    """The function that fills texels of row j of `level` by the mean of the 2x2 below.
+@form(cases=[(1,), (16,)])
+def marking(most: int) -> Twins:
+    """The function that notes all texels which anisotropic samples of a packet's places read, with up to `most` probes.
 
-    It leaves out tiles that were not shaded at a finer level.
+    A target has at most 256 tiles a side.
     """
 
     @wp.func(module="unique")
-    def reduce(
-        j: wp.int32,
-        level: wp.int32,
-        tile_level: wp.int32,
-        need: wp.array2d(dtype=wp.int32),
-        chain: Chain,
-        texels: wp.array(dtype=wp.vec4),
-    ):
-        side = chain.width >> level
-        for i in range(side):
-            if need[(j << level) >> tile_level, (i << level) >> tile_level] < level:
-                upper = chain.offsets[level - 1] + 4 * j * side + 2 * i
-                lower = upper + 2 * side
-                total = (texels[upper] + texels[upper + 1]) + (texels[lower] + texels[lower + 1])
-                texels[chain.offsets[level] + j * side + i] = total * 0.25
+    def mark(pages: Pages, places: wp.array(dtype=wp.float64), count: wp.int32, need: wp.array(dtype=wp.int32)):
+        for lane in range(count):
+            probes = probes_of(footprint_of(places, lane), pages, most)
+            lod = wp.clamp(probes.lod, 0.0, wp.float32(pages.levels - 1))
+            level = wp.int32(lod)
+            for k in range(probes.count):
+                uv = probes.first + probes.step * wp.float32(k)
+                ask(need, pages, level, uv)
+                if lod - wp.float32(level) > LEAST_BLEND:
+                    ask(need, pages, level + 1, uv)
 
-    return Twins(reduce, REDUCE, 4)
-
-
-reduce_row = row_reduction().native
-
-
-@wp.kernel
-def reduce_needed(
-    first_row: wp.int32,
-    level: wp.int32,
-    tile_level: wp.int32,
-    need: wp.array2d(dtype=wp.int32),
-    chain: Chain,
-    texels: wp.array(dtype=wp.vec4),
-):
-    """`reduce_row`, one thread a row."""
-    reduce_row(first_row + wp.tid(), level, tile_level, need, chain, texels)
-
-
-@wp.kernel
-def only_segment(
-    first_row: wp.int32,
-    segment: wp.int32,
-    visible: wp.array2d(dtype=wp.int32),
-    segments: wp.array(dtype=wp.int32),
-    mine: wp.array2d(dtype=wp.int32),
-):
-    """Copy the cells of some rows of a visibility buffer that see one segment; the others are -1."""
-    row, i = wp.tid()
-    triangle = visible[first_row + row, i]
-    mine[row, i] = -1
-    if triangle >= 0 and segments[triangle] == segment:
-        mine[row, i] = triangle
+    code = MARK.replace("PROBES", LOG2 + ANISOTROPIC_PROBES.replace("MOST", f"{most}.0")).replace("LANES", str(LANES))
+    return Twins(mark, code)
 
 
 UNPREMULTIPLY = """
@@ -186,4 +170,79 @@ def unpremultiplication() -> Twins:
     return Twins(divide, UNPREMULTIPLY, 4)
 
 
-unpremultiply = unpremultiplication().native
+LIGHT_LANES = LANES * rows_of(4)
+
+
+@wp.func
+def packet_end(visible: wp.array2d(dtype=wp.int32), row: wp.int32, x: wp.int32, width: wp.int32) -> wp.int32:
+    """One past the last cell of the packet that begins at x: a run of cells that see the same triangle."""
+    stop = wp.int32(x + 1)
+    last = wp.min(x + LANES, width)
+    while stop < last and visible[row, stop] == visible[row, x]:
+        stop += 1
+    return stop
+
+
+@functools.cache
+def mark_with(mark: wp.Function) -> wp.Kernel:
+    """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
+
+    On the CPU rows that are marked at the same time need a `need` each.
+    """
+    locate = locate_before(4).native
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first_row: wp.int32,
+        grid: Grid,
+        visible: wp.array2d(dtype=wp.int32),
+        planes: wp.array(dtype=Planes),
+        atlas: Atlas,
+        need: wp.array(dtype=wp.int32),
+    ):
+        j = first_row + wp.tid()
+        lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
+        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
+        x = wp.int32(0)
+        while x < grid.width:
+            triangle = visible[j, x]
+            stop = packet_end(visible, j, x, grid.width)
+            if triangle >= 0:
+                locate(planes[triangle], grid, x, j, stop - x, places, lanes)
+                mark(pages_of(atlas, atlas.targets[triangle]), places, stop - x, need)
+            x = stop
+
+    return kernel
+
+
+@functools.cache
+def paste_with(fill: wp.Function) -> wp.Kernel:
+    """The kernel that fills rows of a picture from the targets: the light is the texture. One thread a row."""
+    locate, gather, unpremultiply = locate_before(4).native, gathering().native, unpremultiplication().native
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first_row: wp.int32,
+        grid: Grid,
+        visible: wp.array2d(dtype=wp.int32),
+        planes: wp.array(dtype=Planes),
+        atlas: Atlas,
+        texels: wp.array(dtype=wp.vec4),
+        sun: Sun,
+        picture: wp.array2d(dtype=wp.vec4),
+    ):
+        j = first_row + wp.tid()
+        lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
+        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
+        x = wp.int32(0)
+        while x < grid.width:
+            triangle = visible[j, x]
+            stop = packet_end(visible, j, x, grid.width)
+            if triangle >= 0:
+                locate(planes[triangle], grid, x, j, stop - x, places, lanes)
+                fill(texels, pages_of(atlas, atlas.targets[triangle]), places, stop - x, lanes)
+                unpremultiply(lanes, sun)
+                gather(lanes, x, stop - x, 1, 0, j, picture, picture)
+            x = stop
+
+    return kernel

@@ -12,7 +12,7 @@ from swimlab.render.catalogue import brdf_settings, technique_settings
 from swimlab.render.plan import Plan
 from swimlab.render.run import render_run
 from swimlab.runs.provenance import provenance
-from swimlab.studies.beyond import moments, slivers, tsl, vertex
+from swimlab.studies.beyond import moments, reuse, slivers, tsl, vertex
 from swimlab.studies.beyond import techniques as comparison
 from swimlab.studies.beyond.display import Row, display_study
 from swimlab.studies.page import Section, Table, tables, write_page
@@ -22,7 +22,7 @@ NAME = "beyond-the-deck"
 SHORT = 8
 """Frames of studies whose answer more frames do not change."""
 
-STEPS = ("techniques", "tsl sizes", "tsl savings", "tsl costs", "moments", "vertex", "slivers", "display")
+STEPS = ("techniques", "tsl sizes", "tsl savings", "tsl costs", "kept light", "moments", "vertex", "slivers", "display")
 DISPLAYED = ("pixel-point", "pixel-aniso", "vmf", "tsl")
 
 
@@ -98,6 +98,11 @@ def _sections(launcher: Launcher, effort: Effort, advance: Callable[[str], None]
     by_size = {"{}x{}, {} frames".format(*each.sequence.size, len(each.frames)): sizes[each] for each in sizes}
     affordable = tsl.section(by_size, savings, costs, tsl.sheet(shift))
     advance("tsl costs")
+    found = {
+        name: reuse.reuse_study(stage(name, effort.short), rounds=effort.rounds // 2 + 1) for name in reuse.SEQUENCES
+    }
+    kept = reuse.section(found)
+    advance("kept light")
     wide = moments.section(moments.moment_study(launcher))
     advance("moments")
     corners = vertex.section(vertex.vertex_study(stage("road-scale", 0)))
@@ -106,8 +111,8 @@ def _sections(launcher: Launcher, effort: Effort, advance: Callable[[str], None]
     advance("slivers")
     shown = _display_section(effort)
     advance("display")
-    answer = comparison.answer(compared.rows, also=tsl.answers(costs))
-    return [answer, *comparison.sections(compared, about=about), affordable, wide, corners, thin, shown]
+    answer = comparison.answer(compared.rows, also=[*tsl.answers(costs), *reuse.answers(found)])
+    return [answer, *comparison.sections(compared, about=about), affordable, kept, wide, corners, thin, shown]
 
 
 def _display_section(effort: Effort) -> Section:

@@ -127,7 +127,7 @@ def _pixels(stage: Stage) -> float:
 
 
 def _segments(stage: Stage) -> float:
-    return float(len(Screen.of(stage.shot(0), 1).rows))
+    return float(len(Screen.of(stage.shot(0), 1).segments))
 
 
 TITLES = {

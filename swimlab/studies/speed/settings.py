@@ -37,6 +37,9 @@ def _settings(family: str, technique: str, key: str, values: Sequence[int], **ot
     return [Candidate(family, Variant(f"{short} {v}", technique, {key: v, **others})) for v in values]
 
 
+KEPT = {"texels": "needed", "inputs": "vmf"}
+"""Settings of `tsl` under which light is kept for some frames."""
+
 SEVERAL = (
     *_settings("pixel-aniso", "pixel-aniso", "anisotropy", (1, 2, 4, 8, 16)),
     *_settings("supersample", "supersample", "samples", (1, 4, 9, 16)),
@@ -45,6 +48,7 @@ SEVERAL = (
     Candidate("tsl thrifty", Variant("tsl visible", "tsl", {"texels": "visible"})),
     Candidate("tsl thrifty", Variant("tsl needed vmf", "tsl", {"texels": "needed", "inputs": "vmf"})),
     Candidate("tsl thrifty", Variant("tsl fitted vmf", "tsl", {"sizes": "fitted", "inputs": "vmf"})),
+    *(Candidate("tsl thrifty", Variant(f"tsl kept {n}", "tsl", KEPT | {"reuse": n})) for n in (2, 8)),
     *(Candidate(REFERENCE, Variant(f"reference {n}", REFERENCE), n) for n in (4, 16, 64)),
 )
 """What is tried at several settings; all other techniques are tried at their defaults."""
@@ -191,7 +195,9 @@ def sections(found: Found, *, about: str) -> list[Section]:
             "flicker²: *bias* is a neighbourhood's mean that is off, *detail* a lost or false pattern that sticks to "
             "the road, *flicker* what changes in time while the road does not. *Visible flicker* weighs that by what "
             "the eye sees, in thresholds. *Shaded* counts evaluations of the reflectance model: samples, texels and "
-            "vertices together. On the *front* of something is what nothing as cheap has less of. Neighbours on a "
+            "vertices together. `tsl kept N` shades the texels that are needed and keeps their light for up to N "
+            "frames: here the eye and the sun stand still, which is where that saves most; `bench beyond-the-deck` has "
+            "it where they move. On the *front* of something is what nothing as cheap has less of. Neighbours on a "
             "front that differ by less than ± may change places. The last row is the reference's own error, below "
             "which no difference counts.",
             Table("speed against error", columns, [*cells, reference]),

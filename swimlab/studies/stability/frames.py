@@ -14,7 +14,7 @@ from swimlab.render.inputs import Maps
 from swimlab.render.kernels.inspection import filtered_samples, shaded_samples, surfaces
 from swimlab.render.kernels.structs import LANES, Sun, Texel
 from swimlab.render.kernels.texture_filter import anisotropic_to
-from swimlab.render.kernels.texture_space import unpremultiply
+from swimlab.render.kernels.texture_space import unpremultiplication
 from swimlab.render.material import Material
 from swimlab.render.mesh import ROWS_PER_WAVE
 from swimlab.render.shot import Shot
@@ -297,7 +297,7 @@ def faint_texels(launcher: Launcher) -> dict[int, tuple[float, float]]:
         last = np.tile(target.texels.numpy()[-1], (LANES, 1))
         out = launcher.zeros(LANES, wp.vec3)
         inputs = [launcher.array(last, wp.vec4), launcher.zeros(LANES, wp.vec3), Sun(), out]
-        launcher.launch(shaded_samples(unpremultiply, 4), 1, inputs)
+        launcher.launch(shaded_samples(unpremultiplication().native, 4), 1, inputs)
         found[side] = float(last[0, 3]), abs(float(out.numpy()[0, 0]) / float(colour) - 1)
     return found
 

@@ -26,6 +26,7 @@ CASES = {
     **{name: (name, TSL if name == "tsl" else {}) for name in techniques()},
     "tsl, needed texels": ("tsl", TSL | {"texels": "needed", "inputs": "lean"}),
     "tsl, fitted targets": ("tsl", {"size": 128, "sizes": "fitted", "coarser": 1, "inputs": "vmf"}),
+    "tsl, light that is kept": ("tsl", TSL | {"texels": "needed", "reuse": 4, "tolerance": 0.3}),
     "taa, bilinear, variance": ("taa", {"history": "bilinear", "clamp": "variance", "preroll": 3}),
     "taa, no clamp": ("taa", {"clamp": "none", "preroll": 3}),
     "reference, gaussian": ("reference", {"filter": "gaussian"}),

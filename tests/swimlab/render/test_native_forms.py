@@ -18,7 +18,7 @@ from sequences import load
 from swimlab.render.catalogue import brdfs
 from swimlab.render.kernels.inspection import filtered_samples
 from swimlab.render.kernels.packet import PLACES, rows_of
-from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes
+from swimlab.render.kernels.structs import LANES, TEXELS, Grid, Pages, Planes
 from swimlab.render.texture import MipChain
 
 for package in (swimlab.render, metrics.kernels):
@@ -42,7 +42,10 @@ def footprints(random, packets):
 
 
 def filled(launcher, shoot, fill, width):
-    """Whole packets and packets of 5 lanes, from chains that repeat and that clamp."""
+    """Whole packets and packets of 5 lanes, from chains that repeat and that clamp, or as `paged`."""
+    if fill.input_types["chain"] is Pages:
+        yield from paged(launcher, shoot, fill, width)
+        return
     for clamps in (False, True):
         random = np.random.default_rng(0)
         chain = MipChain.allocate(launcher, width=64, height=32, dtype=TEXELS[width], clamps=clamps)
@@ -150,30 +153,150 @@ def gathered(launcher, shoot, gather, width):
         yield from (each.numpy() for each in sums)
 
 
-def reduced(launcher, shoot, reduce, width):
-    """Levels of a target some of whose tiles are needed."""
+def pages(launcher, width, table):
+    """The shape of a target whose tiles lie as a table says."""
+    found = Pages()
+    found.width = found.height = width
+    found.levels = width.bit_length()
+    found.clamps, found.tile_level, found.first = 1, min(found.levels - 1, 5), 1
+    found.table = launcher.array(table, wp.int32)
+    return found
+
+
+def paged(launcher, shoot, fill, width):
+    """Packets from a target of 8 x 8 tiles that lie in no order."""
+    tile = (4**6 - 1) // 3
+    random = np.random.default_rng(0)
+    order = 1000 + tile * random.permutation(64)
+    texels = launcher.array(random.random((1000 + 64 * tile, 4), np.float32), wp.vec4)
+    shape, given = pages(launcher, 256, [5, *order]), footprints(random, 20)
+    out = launcher.zeros((len(given), width * LANES), wp.float32)
+    inputs = [texels, shape, LANES, launcher.array(given, wp.float64), out]
+    launcher.launch(filtered_samples(fill, width, Pages), len(given), inputs)
+    assert out.numpy().std() > 0.05
+    yield out.numpy()
+
+
+def aligned(launcher, shoot, fill, width):
+    """Runs of texels of several levels."""
+    random = np.random.default_rng(0)
+    chain = MipChain.allocate(launcher, width=64, height=64, dtype=TEXELS[width], clamps=False)
+    chain.texels[: 64 * 64].assign(random.random((64 * 64, width), np.float32))
+    chain.reduce(launcher)
+    for level in (0, 2, 6):
+        side = 64 >> level
+        column, row = np.arange(LANES) % side, np.arange(LANES) // side % side
+        step = np.full(LANES, 1 / side)
+        rows = [(column + 0.5) / side, (row + 0.5) / side, step, 0 * step, 0 * step, step]
+        given = np.concatenate(rows)[None]
+        for count in (LANES, 13):
+            out = launcher.zeros((1, width * LANES), wp.float32)
+            inputs = [chain.texels, chain.shape, count, launcher.array(given, wp.float64), out]
+            launcher.launch(filtered_samples(fill, width), 1, inputs)
+            lanes = out.numpy().reshape(width, LANES)
+            first = int(chain.shape.offsets.numpy()[level])
+            exact = chain.texels.numpy()[first + row * side + column].T
+            assert np.array_equal(lanes[:, :count], exact[:, :count])
+            assert not lanes[:, count:].any()
+            yield lanes
+
+
+def marked(launcher, shoot, mark, width):
+    """Footprints of all shapes on targets of many tiles and of one."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(pages: Pages, places: wp.array2d(dtype=wp.float64), need: wp.array2d(dtype=wp.int32)):
+        mark(pages, places[wp.tid()], LANES - 3, need[wp.tid()])
+
+    for side in (512, 16):
+        given = footprints(np.random.default_rng(0), 20)
+        given[:, : 2 * LANES] /= 3
+        shape = pages(launcher, side, [0])
+        need = launcher.array(np.full((20, max(1, side // 32) ** 2 + 1), 127), wp.int32)
+        launcher.launch(kernel, 20, [shape, launcher.array(given, wp.float64), need])
+        found = need.numpy()
+        assert (found[:, 0] == 127).all()
+        assert found[:, 1:].min() == 0
+        yield found
+
+
+def located_texels(launcher, shoot, locate, width):
+    """Texels of one tile, and of several that share a packet."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
+        planes: Planes,
+        tiles: wp.array(dtype=wp.int32),
+        pages: Pages,
         level: wp.int32,
-        tile_level: wp.int32,
-        need: wp.array2d(dtype=wp.int32),
-        chain: Chain,
-        texels: wp.array(dtype=wp.vec4),
+        s: wp.int32,
+        places: wp.array(dtype=wp.float64),
+        lanes: wp.array(dtype=wp.float32),
     ):
-        reduce(wp.tid(), level, tile_level, need, chain, texels)
+        locate(planes, tiles, 1, pages, level, s, 3, LANES - 2, places, lanes)
+
+    planes = Planes(*np.random.default_rng(0).uniform(-1, 1, 21))
+    tiles = launcher.array([1, *np.random.default_rng(0).permutation(64) + 1], wp.int32)
+    for level, s in ((0, 2 * LANES), (2, 0), (3, 0), (5, 0)):
+        places, lanes = launcher.zeros(PLACES, wp.float64), launcher.zeros(rows_of(width) * LANES, wp.float32)
+        launcher.launch(kernel, 1, [planes, tiles, pages(launcher, 256, [0]), level, s, places, lanes])
+        inside = places.numpy().reshape(6, LANES)
+        assert inside[:, 3:-2].any(axis=0).all()
+        assert not inside[:, :3].any()
+        yield from (places.numpy(), lanes.numpy())
+
+
+def collected(launcher, shoot, collect, width):
+    """Packets within a large tile and over small ones, some of whose lanes see nothing."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        lanes: wp.array(dtype=wp.float32),
+        owners: wp.array(dtype=wp.int32),
+        s: wp.int32,
+        depth: wp.int32,
+        texels: wp.array(dtype=wp.vec4),
+        found: wp.array(dtype=wp.int32),
+    ):
+        found[0] = collect(lanes, owners, s, LANES, depth, texels)
 
     random = np.random.default_rng(0)
-    chain = MipChain.allocate(launcher, width=64, height=64, dtype=wp.vec4, clamps=True)
-    chain.texels.assign(random.random((len(chain.texels), 4), np.float32))
-    before = chain.texels.numpy().copy()
-    need = launcher.array(random.choice([0, 1, 2, 127], (4, 4)), wp.int32)
-    for level in (1, 2, 3):
-        launcher.launch(kernel, 64 >> level, [level, 4, need, chain.shape, chain.texels])
-    changed = np.any(chain.texels.numpy() != before, axis=1)
-    assert changed.any()
-    assert not changed.all()
-    yield chain.texels.numpy()
+    lanes = launcher.array(random.random(3 * LANES, np.float32), wp.float32)
+    for s, depth in ((LANES, 5), (0, 2), (0, 0)):
+        for missing in (0, 9):
+            owners = np.where(np.arange(LANES) < missing, -1, 4)
+            texels, found = launcher.zeros(1365, wp.vec4), launcher.zeros(1, wp.int32)
+            launcher.launch(kernel, 1, [lanes, launcher.array(owners, wp.int32), s, depth, texels, found])
+            assert found.numpy()[0] == texels.numpy()[:, 3].sum() == LANES - missing
+            yield texels.numpy()
+
+
+def kept(launcher, shoot, keep, width):
+    """One tile of which coarse levels are kept, and several of which not all are."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        texels: wp.array(dtype=wp.vec4),
+        tiles: wp.array(dtype=wp.int32),
+        kept: wp.array(dtype=wp.int32),
+        count: wp.int32,
+        level: wp.int32,
+        pages: Pages,
+        held: wp.array(dtype=wp.vec4),
+    ):
+        keep(texels, tiles, kept, 0, count, level, pages, held)
+
+    random = np.random.default_rng(0)
+    for level, wanted in ((0, [2]), (0, [0]), (3, [3, 4, 127, 5])):
+        texels = random.random((1365, 4), np.float32)
+        tiles = launcher.array(np.arange(len(wanted)) + 2, wp.int32)
+        shape, held = pages(launcher, 256, [10, *1365 * np.arange(64)]), launcher.zeros(8000, wp.vec4)
+        inputs = [launcher.array(texels, wp.vec4), tiles, launcher.array(wanted, wp.int32), len(wanted), level]
+        launcher.launch(kernel, 1, [*inputs, shape, held])
+        side = 32 >> level
+        mean = texels[: side * side].mean(axis=0)
+        assert held.numpy()[10 + 1] == pytest.approx(mean, rel=1e-5)
+        yield held.numpy()
 
 
 def claimed(launcher, shoot, claim, width):
@@ -215,7 +338,11 @@ RUNS = {
     ("lanes", "first", "count", "n", "y", "j", "picture", "error"): gathered,
     ("visible", "row", "first", "last", "value"): claimed,
     ("visible", "row", "cells"): cleared,
-    ("j", "level", "tile_level", "need", "chain", "texels"): reduced,
+    ("texels", "chain", "centres", "count", "lanes"): aligned,
+    ("pages", "places", "count", "need"): marked,
+    ("planes", "tiles", "first", "pages", "level", "s", "begin", "end", "places", "lanes"): located_texels,
+    ("lanes", "owners", "s", "count", "depth", "texels"): collected,
+    ("texels", "tiles", "kept", "first", "count", "level", "pages", "held"): kept,
 } | measuring_forms.RUNS
 """Parameters of a form -> what runs a function of these parameters and yields its results."""
 

@@ -118,7 +118,7 @@ def test_back_faces_are_drawn_neither_on_the_screen_nor_into_targets(shoot):
         y = (segment + np.arange(cut + 1) / cut) * scene.segment
         z = scene.height_at(y)
         faces = eye[2] > z[:-1] + (z[1:] - z[:-1]) / (y[1:] - y[:-1]) * (eye[1] - y[:-1])
-        triangles = in_texture(shot.launcher, shot.mesh, segment, 0.0)
+        triangles = in_texture(shot.launcher, shot.mesh, [segment], np.zeros(1)).triangles
         grid = Grid()
         grid.pitch, grid.width, grid.height = (1 / size, 1 / size), size, size
         drawn = visibility(shot.launcher, triangles, grid, Strip(0, size)).numpy() >= 0

@@ -4,7 +4,6 @@ import cv2
 import numpy as np
 import pytest
 
-from swimlab.render.target import everywhere
 from swimlab.render.texture_pictures import write_targets
 from swimlab.runs.frames import COLOUR, read_channels
 
@@ -67,7 +66,6 @@ def test_tiles_are_shown_at_the_level_they_were_shaded_at(shoot, swimlab, tmp_pa
     far = read_channels(tmp_path / "run" / "targets" / "0000" / "0002.exr", COLOUR)
     # Tiles of 32 texels: at a coarse level two neighbours are one texel.
     assert np.array_equal(far[0:2, 0::2], far[0:2, 1::2])
-    assert everywhere(64, 0).shape == (2, 2)
 
 
 def test_targets_are_those_of_tsl(swimlab, flat, tmp_path):

@@ -89,16 +89,16 @@ def test_only_segments_in_sight_are_lit(shoot, render, maps, monkeypatch):
     lit = []
     in_texture = swimlab.render.target.in_texture
 
-    def counted(launcher, mesh, segment, texel):
-        lit.append(segment)
-        return in_texture(launcher, mesh, segment, texel)
+    def counted(launcher, mesh, segments, texels):
+        lit.extend(segments)
+        return in_texture(launcher, mesh, segments, texels)
 
     monkeypatch.setattr(swimlab.render.target, "in_texture", counted)
     sequence = SHORT.with_changes(camera={"pitch": -30.0, "yaw": 20.0, "distance": 100.0})
     render(shoot(sequence), "tsl", size=16)
     oracle = Oracle(sequence, maps, 0)
     hit, _, uv, _, _ = oracle.surface(*oracle.centres())
-    assert sorted(lit) == np.unique(np.floor(uv[..., 1][hit])).tolist()
+    assert lit == np.unique(np.floor(uv[..., 1][hit])).tolist()
     assert len(lit) < 4
 
 
@@ -170,6 +170,9 @@ def test_finer_targets_come_nearer_to_the_truth(shoot, render):
         ({"texels": "few"}, "'all', 'visible' or 'needed'"),
         ({"sizes": "auto"}, "'fixed' or 'fitted'"),
         ({"coarser": 9}, "less than or equal to 4"),
+        ({"reuse": 0}, "greater than or equal to 1"),
+        ({"reuse": 65}, "less than or equal to 64"),
+        ({"tolerance": -0.1}, "greater than or equal to 0"),
     ],
 )
 def test_settings_are_checked(given, message):

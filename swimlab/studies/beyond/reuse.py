@@ -1,0 +1,141 @@
+"""Light that is kept from frame to frame: what it saves, what it costs, and how late it is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from swimlab.render.atlas import Pool
+from swimlab.render.shot import Shot
+from swimlab.render.target import Jobs, Lighting, Screen, reduce_targets
+from swimlab.render.technique import Image, to_image
+from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
+from swimlab.studies.page import Cell, Section, Table
+from swimlab.studies.trials import Stage, Trial, Variant
+from swimlab.studies.turns import Time, cpu, frame_task, in_turns
+
+SEQUENCES = ("road-shift", "road-turn", "road-drive", "road-sun")
+FRAMES = (2, 4, 8)
+TOLERANCES = (0.1, 0.3)
+ALWAYS = 1e9
+"""A tolerance that leaves all to the schedule."""
+WANTED = 1.05
+"""Times the error of light that is made anew that a saving may cost."""
+
+THRIFTY = {"texels": "needed", "inputs": "vmf"}
+PLAIN = Variant("each frame anew", "tsl", THRIFTY)
+PIXELS = Variant("pixel-aniso", "pixel-aniso")
+
+
+def kept(frames: int, tolerance: float) -> Variant:
+    """Needed texels whose light is kept."""
+    name = f"{frames} frames" + (f", {tolerance:g}" if tolerance < ALWAYS else ", any")
+    return Variant(name, "tsl", THRIFTY | {"reuse": frames, "tolerance": tolerance})
+
+
+KEPT = tuple(kept(frames, tolerance) for frames in FRAMES for tolerance in (*TOLERANCES, ALWAYS))
+
+
+@dataclass(frozen=True)
+class Row:
+    """A variant's scores, its times, and by how many frames its light is late, None where light does not change."""
+
+    trial: Trial
+    times: Sequence[Time]
+    lag: float | None
+
+
+def reuse_study(stage: Stage, *, rounds: int) -> dict[str, Row]:
+    """By label: needed texels lit anew in each frame, and kept for some frames up to some change."""
+    times = in_turns({v.label: frame_task(stage, v) for v in (PIXELS, PLAIN, *KEPT)}, rounds)
+    now = stage.pictures(PLAIN)
+    settings = TslSettings.model_validate(THRIFTY)
+    before = [late(stage.shot(frame), settings) for frame in stage.frames]
+    drift = [a - b.rgba for a, b in zip(before, now, strict=True)]
+    rows = {PIXELS.label: Row(stage.measure(PIXELS, names=["budget"]), times[PIXELS.label], None)}
+    for variant in (PLAIN, *KEPT):
+        pictures = now if variant is PLAIN else stage.pictures(variant)
+        lag = lateness([a.rgba - b.rgba for a, b in zip(pictures, now, strict=True)], drift)
+        trial = stage.measure(variant, names=["budget"], pictures=pictures)
+        rows[variant.label] = Row(trial, times[variant.label], lag)
+    return rows
+
+
+def late(shot: Shot, settings: TslSettings) -> Image:
+    """A frame under the light of the frame before: its eye and its sun, seen from where the camera is now."""
+    launcher = shot.launcher
+    screen = Screen.of(shot, settings.anisotropy)
+    work = planned(screen, settings)
+    pool = Pool(launcher)
+    keep = work.layout.with_coarse(work.keep)
+    table = work.layout.table(launcher, keep, pool.hold(work.layout, keep))
+    atlas = work.layout.on(launcher, table, screen.targets)
+    before = replace(shot, frame=shot.frame - 1)
+    jobs = Jobs.of(launcher, work, np.full(work.layout.entries, before.frame))
+    Lighting(before, INPUTS[settings.inputs]).light(jobs, atlas, pool.texels)
+    reduce_targets(launcher, atlas, pool.texels)
+    return to_image(screen.paste(atlas, pool.texels))
+
+
+def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:
+    """Frames by which light is late: how often `drift`, what light of one frame ago changes, is in a change.
+
+    By least squares over RGB; light that is late by so little that its change is linear reads its age. None where light
+    does not drift.
+    """
+    pairs = [(a[..., :3].astype(np.float64), b[..., :3].astype(np.float64)) for a, b in zip(change, drift, strict=True)]
+    whole = sum(float(np.sum(b * b)) for _, b in pairs)
+    return sum(float(np.sum(a * b)) for a, b in pairs) / whole if whole > 0 else None
+
+
+def answers(found: Mapping[str, Mapping[str, Row]]) -> list[str]:
+    """What keeping light saves, in words, a line a sequence."""
+    return [f"**What keeping light saves** on `{name}`: {_verdict(rows)}" for name, rows in found.items()]
+
+
+def section(found: Mapping[str, Mapping[str, Row]]) -> Section:
+    """What the study shows, by sequence."""
+    parts: list[str | Table] = [
+        "Light depends on the eye and the sun, not on where the camera looks. `reuse` keeps a tile's light for N "
+        "frames at most, tiles taking turns, and `tolerance` bounds by how much it may have changed meanwhile, as a "
+        "part of the peak of the highlight of the maps' highest power. All rows but the first are "
+        '`texels = "needed"` with moments (`vmf`). *Lag* is by how many frames light is late: how often the '
+        "difference that light of one frame ago makes is in the picture.",
+    ]
+    for sequence, rows in found.items():
+        parts += [f"`{sequence}`: {_verdict(rows)}", _table(sequence, rows)]
+    parts.append(
+        "It fails where light itself moves: under a sun that sweeps by a degree a frame nothing can be kept within the "
+        "tolerance, and what the schedule keeps is an error several times as large. Where the eye stands still it "
+        "saves nearly all shading, and the light stays exact. Cut segments at the road's ends, hills that turn away, "
+        "wires and posts are always lit anew. What is left is finding and pasting what is read, which no light saves."
+    )
+    return Section("Light kept from frame to frame", parts)
+
+
+def _verdict(rows: Mapping[str, Row]) -> str:
+    """The cheapest setting within 5 % of the error, in words."""
+    plain, pixels = rows[PLAIN.label], rows[PIXELS.label]
+    kept = [rows[variant.label] for variant in KEPT]
+    able = [row for row in kept if (row.trial.rms() or 0.0) <= WANTED * (plain.trial.rms() or 0.0)]
+    best = min(able, key=lambda row: cpu(row.times), default=plain)
+    if cpu(best.times) >= cpu(plain.times):
+        return f"nothing that was tried is cheaper within {WANTED:g} times the error."
+    return (
+        f"within {WANTED:g} times the error the cheapest is `{best.trial.variant.label}`: "
+        f"{cpu(best.times) / cpu(plain.times):.2f} of the time of lighting anew, "
+        f"{cpu(best.times) / cpu(pixels.times):.1f} times `pixel-aniso`, "
+        f"{best.trial.shaded / max(plain.trial.shaded, 1.0):.2f} of the texels."
+    )
+
+
+def _table(sequence: str, rows: Mapping[str, Row]) -> Table:
+    plain, pixels = rows[PLAIN.label], rows[PIXELS.label]
+    cells: list[list[Cell]] = []
+    for label, row in rows.items():
+        ms, error, whole = cpu(row.times), row.trial.rms(), plain.trial.rms()
+        cost: list[Cell] = [label, round(row.trial.shaded), ms, ms / cpu(pixels.times)]
+        of_plain = error / whole if error is not None and whole else None
+        cells.append([*cost, error, of_plain, row.trial.rms("flicker"), row.lag])
+    headings = ["light", "texels a frame", "ms of all cores", "of `pixel-aniso`", "error", "of anew", "flicker", "lag"]
+    return Table(f"tsl reuse {sequence}", headings, cells)
