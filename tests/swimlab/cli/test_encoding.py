@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from one_interpreter import Said, in_turn
 
 MAIN = [sys.executable, "-c", "from swimlab.cli.main import main; main()"]
 SHOW = "from swimlab.cli.encoding import make_streams_safe; make_streams_safe(); "
@@ -80,24 +81,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-IN_TURN = """
-import sys
-from swimlab.cli.main import main
-given, end = sys.argv[1:], "//"
-while given:
-    at = given.index(end)
-    sys.argv, given, code = ["swimlab", *given[:at]], given[at + 1 :], 0
-    try:
-        main()
-    except SystemExit as error:
-        code = error.code or 0
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
-        stream.buffer.write(b"\\0%d\\0" % code)
-        stream.flush()
-"""
-"""Runs the commands that its words name, each ended by `//`, and writes each one's exit code behind what it said."""
-
 RESULTS = {
     "list metrics": (["list", "metrics"], "budget.flicker"),
     "info": (["info", "road-shift"], "road-shift"),
@@ -117,24 +100,20 @@ RESULTS = {
 
 
 @pytest.fixture(scope="module")
-def said(folder: Path) -> Callable[[str], dict[str, tuple[int, bytes, bytes]]]:
-    """Exit code, stdout and stderr of every command, by its name, in one of SETTINGS."""
+def said(folder: Path) -> Callable[[str], dict[str, Said]]:
+    """What every command said, by its name, in one of SETTINGS."""
 
     @cache
-    def said(encoding: str) -> dict[str, tuple[int, bytes, bytes]]:
-        words = [word for each, _ in RESULTS.values() for word in (*each, "//")]
-        run = [sys.executable, "-c", IN_TURN, *words]
-        done = subprocess.run(run, cwd=folder, env=os.environ | SETTINGS[encoding], capture_output=True, check=True)
-        parts = [stream.split(b"\0")[:-1] for stream in (done.stdout, done.stderr)]
-        rows = zip(RESULTS, parts[0][1::2], parts[0][::2], parts[1][::2], strict=True)
-        return {name: (int(code), out, err) for name, code, out, err in rows}
+    def said(encoding: str) -> dict[str, Said]:
+        found = in_turn([words for words, _ in RESULTS.values()], folder, SETTINGS[encoding])
+        return dict(zip(RESULTS, found, strict=True))
 
     return said
 
 
 @pytest.mark.parametrize("encoding", SETTINGS)
 @pytest.mark.parametrize("name", RESULTS)
-def test_results_are_whole(said: Callable[..., dict[str, tuple[int, bytes, bytes]]], name: str, encoding: str) -> None:
+def test_results_are_whole(said: Callable[[str], dict[str, Said]], name: str, encoding: str) -> None:
     result = RESULTS[name][1]
     code, out, err = said(encoding)[name]
     assert code == (0 if result else 2), err
