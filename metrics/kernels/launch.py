@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import warp as wp
@@ -54,7 +54,7 @@ class Launcher:
         """Let the threads go."""
         self._pool.shutdown()
 
-    def __enter__(self) -> "Launcher":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -78,13 +78,21 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
+        self.start(self.record(kernel, dim, inputs))
+
+    def record(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> Any:
+        """A launch that is ready to be started, several times if need be, by one thread at a time."""
         if (self.device, kernel) in _LOADED:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
-            return
+            return wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device, record_cmd=True)
         # Building and loading a kernel is not safe in several threads at once.
         with _LOADING:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device, record_cmd=True)
             _LOADED.add((self.device, kernel))
+        return command
+
+    def start(self, command: Any) -> None:
+        """Start a recorded launch in the calling thread."""
+        command.launch()
 
     def over(
         self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1

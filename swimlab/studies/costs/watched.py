@@ -1,0 +1,45 @@
+"""A launcher that notes how long each kernel ran."""
+
+import time
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import Any
+
+import warp as wp
+
+from metrics.kernels.launch import Launcher
+
+
+class WatchedLauncher(Launcher):
+    """On the CPU a kernel's time is that of its thread, which other programs do not lengthen; on a GPU it is the
+    clock's, and the launcher waits for each kernel."""
+
+    def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
+        super().__init__(threads=threads, device=device)
+        self._noted: list[tuple[str, float]] = []
+
+    def start(self, command: Any) -> None:
+        """Start a recorded launch and note its time."""
+        began = self._now()
+        super().start(command)
+        self._noted.append((kernel_name(command.kernel), 1e3 * (self._now() - began)))
+
+    def take(self) -> Mapping[str, float]:
+        """Milliseconds of all threads by kernel since the last call."""
+        spent: dict[str, float] = defaultdict(float)
+        noted, self._noted = self._noted, []
+        for name, ms in noted:
+            spent[name] += ms
+        return spent
+
+    def _now(self) -> float:
+        if self.device == "cpu":
+            return time.thread_time()
+        wp.synchronize_device(self.device)
+        return time.perf_counter()
+
+
+def kernel_name(kernel: wp.Kernel) -> str:
+    """The kernel's name, or that of the function which makes it for each case."""
+    function: Any = kernel.func
+    return str(function.__qualname__).split(".")[0]
