@@ -8,8 +8,9 @@ import functools
 import os
 import tempfile
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
@@ -62,13 +63,23 @@ class Launcher:
 
     def each(self, items: Iterable[Item], body: Callable[[Item], None]) -> None:
         """Call `body` on every item, several at a time, and wait; the first error is raised."""
-        tasks = [self._pool.submit(body, item) for item in items]
+        waiting = deque(items)
+
+        def work() -> None:
+            while waiting:
+                try:
+                    item = waiting.popleft()
+                except IndexError:  # another thread was quicker
+                    return
+                body(item)
+
+        tasks = [self._pool.submit(work) for _ in range(min(self.threads, len(waiting)))]
         try:
             for task in tasks:
                 task.result()
         except BaseException:
-            for task in tasks:
-                task.cancel()
+            waiting.clear()
+            wait(tasks)
             raise
 
     def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
@@ -95,17 +106,37 @@ class Launcher:
         command.launch()
 
     def over(
-        self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], *, each: int = 1
+        self,
+        rows: int,
+        kernel: wp.Kernel,
+        width: tuple[int, ...],
+        inputs: Sequence[Any],
+        *,
+        each: int = 1,
+        n: int = 1,
+        own: Callable[[int], Sequence[Any]] = lambda _: (),
     ) -> None:
-        """Run a kernel over rows of a picture in strips; its first input is a strip's first row.
+        """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
 
-        Its dim is (rows, *width), or a thread takes `each` rows.
+        Its dim is (rows, *width), or a thread takes `each` rows. `own(rows)` makes the last inputs, which only one
+        strip of so many rows may write to at a time. A launch is recorded for each thread, and started anew by strip.
         """
+        strips = self.strips(rows, n)
+        idle: list[Any] = []
 
         def run(strip: Strip) -> None:
-            self.launch(kernel, (-(-strip.rows // each), *width), [strip.first, *inputs])
+            dim = (-(-strip.rows // each), *width)
+            try:
+                command = idle.pop()
+            except IndexError:
+                command = self.record(kernel, dim, [strip.first, *inputs, *own(strips[0].rows)])
+            else:
+                command.set_dim(dim)
+                command.set_param_at_index(0, strip.first)
+            self.start(command)
+            idle.append(command)
 
-        self.each(self.strips(rows), run)
+        self.each(strips, run)
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""

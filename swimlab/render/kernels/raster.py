@@ -155,21 +155,20 @@ def clearing() -> Twins:
 claim, clear = claiming().native, clearing().native
 
 
-@wp.kernel
-def rasterise(
-    first_row: wp.int32,
+@wp.func
+def see_row(
+    row: wp.int32,
+    j: wp.int32,
     grid: Grid,
     edges: wp.array(dtype=Edges),
     planes: wp.array(dtype=Planes),
     bounds: wp.array(dtype=wp.vec2d),
     visible: wp.array2d(dtype=wp.int32),
 ):
-    """Fill rows of a visibility buffer: the index of the nearest triangle at each sample, -1 for none.
+    """Fill a row of a visibility buffer with row j of the grid: the index of the nearest triangle, -1 for none.
 
-    One thread a row; row 0 of `visible` is row `first_row` of the grid. `bounds` gives each triangle's y range, px.
+    `bounds` gives each triangle's y range, px.
     """
-    row = wp.tid()
-    j = first_row + row
     top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
     clear(visible, row, grid.width)
     for k in range(edges.shape[0]):
@@ -195,3 +194,17 @@ def rasterise(
                             visible[row, i] = k
                         elif nearness > inverse_depth(planes[other], p):
                             visible[row, i] = k
+
+
+@wp.kernel
+def rasterise(
+    first_row: wp.int32,
+    grid: Grid,
+    edges: wp.array(dtype=Edges),
+    planes: wp.array(dtype=Planes),
+    bounds: wp.array(dtype=wp.vec2d),
+    visible: wp.array2d(dtype=wp.int32),
+):
+    """Fill a visibility buffer, one thread a row: its row 0 is row `first_row` of the grid."""
+    row = wp.tid()
+    see_row(row, first_row + row, grid, edges, planes, bounds, visible)
