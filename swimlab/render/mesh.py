@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
         ribbons += [Ribbon(x, posts.rail, WIRE_U, posts.height, 1) for x in posts.rows]
     start = camera.distance - road.segment
     end = camera.distance + road.length
-    segments = range(int(np.floor(start / road.segment)), int(np.ceil(end / road.segment)))
+    segments = range(floor(start / road.segment), ceil(end / road.segment))
     rows = _rows(road, along, segments, start, end)
     parts: list[Mesh] = []
     count = 0
@@ -90,6 +91,8 @@ def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
         for chart, (y, x) in enumerate(itertools.product(places.tolist(), posts.rows), first):
             parts.append(_board(road, camera, posts, (x, y), count, chart))
             count += len(parts[-1].positions)
+    if len(parts) == 1:
+        return parts[0]
     return Mesh(*(np.concatenate(columns) for columns in zip(*(vars(part).values() for part in parts), strict=True)))
 
 
@@ -136,7 +139,8 @@ def _rows(road: Road, along: int, segments: range, start: float, end: float) -> 
     low = np.maximum(0.0, (start - origin) / road.segment)
     high = np.minimum(1.0, (end - origin) / road.segment)
     inner = np.broadcast_to(np.arange(along + 1) / along, (len(segments), along + 1))
-    kept = np.pad((inner > low) & (inner < high), ((0, 0), (1, 1)), constant_values=True)
+    kept = np.ones((len(segments), along + 3), bool)
+    kept[:, 1:-1] = (inner > low) & (inner < high)
     v = np.concatenate([low, inner, high], axis=1)
     return Rows(np.broadcast_to(number, v.shape)[kept], v[kept])
 

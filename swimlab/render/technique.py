@@ -74,7 +74,7 @@ def render_samples(
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher = shot.launcher
     size = (shot.view.height, shot.view.width)
-    error = launcher.zeros(size if n > 1 else (0, 0), wp.vec4)
+    error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
     picture, shaded = draw(shot, shot.grid(n, jittered=jittered), texture_filter, n, inputs, error)
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
 
@@ -84,10 +84,10 @@ def draw(
 ) -> tuple[Any, Any]:
     """Shade n x n samples a pixel of the screen: the picture [H, W] and each row's number of samples [H] on the device.
 
-    error: [H, W], 0 before, if n > 1.
+    error: [H, W], to be filled, if n > 1.
     """
     launcher, triangles = shot.launcher, shot.triangles
-    picture = launcher.zeros((shot.view.height, shot.view.width), wp.vec4)
+    picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
     shaded = launcher.empty(shot.view.height, wp.int32)
     core = core_of(shot, texture_filter, inputs)
     given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments]

@@ -69,6 +69,23 @@ def gathering() -> Twins:
     return Twins(gather, GATHER)
 
 
+BLANK = """
+    __builtin_memset((char*)picture.data + (long)j*picture.strides[0], 0, 16*picture.shape[1]);
+"""
+
+
+@form()
+def blanking() -> Twins:
+    """The function that clears row j of a picture."""
+
+    @wp.func(module="unique")
+    def blank(picture: wp.array2d(dtype=wp.vec4), j: wp.int32):
+        for i in range(picture.shape[1]):
+            picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+
+    return Twins(blank, BLANK)
+
+
 @functools.cache
 def shade_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Function:
     """The function that filters, shades and averages all samples of a row of pixels; it returns their number.
@@ -159,12 +176,12 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
 
 @functools.cache
 def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that draws triangles: it finds what rows of pixels see and shades it, one thread a row.
+    """The kernel that draws triangles: it clears rows of pixels, finds what they see and shades it, one thread a row.
 
     `visible` [rows * n, grid.width] is its scratch.
     """
     texel_type = TEXELS[width]
-    shade = shade_row(fill, shade_packet, width)
+    shade, blank = shade_row(fill, shade_packet, width), blanking().native
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -184,6 +201,9 @@ def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp
     ):
         row = wp.tid()
         j = first_row + row
+        blank(picture, j)
+        if n > 1:
+            blank(error, j)
         for y in range(n):
             see_row(row * n + y, j * n + y, grid, edges, planes, bounds, visible)
         shaded[j] = shade(row, j, j, n, grid, visible, planes, texels, chain, sun, picture, error)

@@ -159,7 +159,7 @@ def _store(name: str, first: int, floats: int) -> str:
 """
 
 
-def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
+def filter_of(plain: wp.Function, probes: str, width: int) -> Twins:
     """A filter of texels of `width` floats, by the code of its probes."""
     parts = [("whole", "vec_a", 0, min(width, 8))]
     if width > 8:
@@ -203,19 +203,28 @@ def _filter(plain: wp.Function, probes: str, width: int) -> Twins:
 @form(cases=WIDTHS, agrees=AGREES)
 def finest(width: int) -> Twins:
     """Bilinear samples of level 0 into a packet of texels of `width` floats."""
-    return _filter(sampling.finest, FINEST_PROBE, width)
+    return filter_of(sampling.finest, FINEST_PROBE, width)
 
 
 @form(cases=WIDTHS, agrees=AGREES)
 def isotropic(width: int) -> Twins:
     """Trilinear samples at the level of the longer derivative."""
-    return _filter(sampling.isotropic, ISOTROPIC_PROBE, width)
+    return filter_of(sampling.isotropic, ISOTROPIC_PROBE, width)
 
 
 @form(cases=product(TEXELS, (1, 3, 16)), agrees=AGREES)
 def anisotropic(width: int, most: int) -> Twins:
     """Means of up to `most` probes along each footprint's major axis."""
-    return _filter(sampling.anisotropic_to(most), ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
+    return stretched(sampling.anisotropic_to(most), width, most)
+
+
+def stretched(plain: wp.Function, width: int, most: int, then: str = "") -> Twins:
+    """The anisotropic filter, and C++ of what `plain` does to its texels afterwards.
+
+    That has the means in `out`, the footprints in `q`, and what the filter's own code declares.
+    """
+    code = filter_of(plain, ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
+    return code._replace(native=code.native + then.replace("LANES", str(LANES)))
 
 
 @dataclass(frozen=True)
