@@ -152,7 +152,35 @@ def clearing() -> Twins:
     return Twins(clear, CLEAR)
 
 
-claim, clear = claiming().native, clearing().native
+REACHING = """
+    const double* __restrict y = (const double*)bounds.data;
+    const int count = bounds.shape[0];
+    int k = first;
+    while (k < count && !(y[2*k] <= bottom && y[2*k + 1] >= top)) ++k;
+    return k;
+"""
+
+
+@form()
+def next_reaching() -> Twins:
+    """The function that finds the first triangle from `first` on that reaches into a row; their number if none."""
+
+    @wp.func(module="unique")
+    def reaching(bounds: wp.array(dtype=wp.vec2d), first: wp.int32, top: wp.float64, bottom: wp.float64) -> wp.int32:
+        k = wp.int32(first)
+        while k < bounds.shape[0]:
+            if bounds[k][0] <= bottom and bounds[k][1] >= top:
+                return k
+            k += 1
+        return k
+
+    return Twins(reaching, REACHING)
+
+
+claim, clear, reaching = claiming().native, clearing().native, next_reaching().native
+
+SHORT = 16
+"""Cells of a span in which each sample is tested, as finding out which need no test would cost more."""
 
 
 @wp.func
@@ -170,30 +198,34 @@ def see_row(
     `bounds` gives each triangle's y range, px.
     """
     top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
+    bottom = top + grid.pitch[1]
     clear(visible, row, grid.width)
-    for k in range(edges.shape[0]):
-        if bounds[k][0] <= top + grid.pitch[1] and bounds[k][1] >= top:
-            span = row_span(edges[k], grid, j)
+    k = reaching(bounds, 0, top, bottom)
+    while k < edges.shape[0]:
+        span = row_span(edges[k], grid, j)
+        stop = wp.min(span[1], grid.width)
+        inner = wp.vec2i(0, 0)
+        if stop - span[0] > SHORT:
             inner = inner_span(edges[k], planes[k], grid, j)
-            whole = claim(visible, row, inner[0], inner[1], k)
-            stop = wp.min(span[1], grid.width)
-            i = wp.int32(span[0] - 1)
-            while i + 1 < stop:
-                i += 1
-                if whole and i == inner[0] and inner[1] > i:
-                    i = inner[1] - 1
-                    continue
-                if visible[row, i] == k:
-                    continue
-                p = sample_position(grid, i, j)
-                if covers(edges[k], p):
-                    nearness = inverse_depth(planes[k], p)
-                    if nearness * wp.float64(NEAR) <= wp.float64(1.0):
-                        other = visible[row, i]
-                        if other < 0:
-                            visible[row, i] = k
-                        elif nearness > inverse_depth(planes[other], p):
-                            visible[row, i] = k
+        whole = claim(visible, row, inner[0], inner[1], k)
+        i = wp.int32(span[0] - 1)
+        while i + 1 < stop:
+            i += 1
+            if whole and i == inner[0] and inner[1] > i:
+                i = inner[1] - 1
+                continue
+            if visible[row, i] == k:
+                continue
+            p = sample_position(grid, i, j)
+            if covers(edges[k], p):
+                nearness = inverse_depth(planes[k], p)
+                if nearness * wp.float64(NEAR) <= wp.float64(1.0):
+                    other = visible[row, i]
+                    if other < 0:
+                        visible[row, i] = k
+                    elif nearness > inverse_depth(planes[other], p):
+                        visible[row, i] = k
+        k = reaching(bounds, k + 1, top, bottom)
 
 
 @wp.kernel
