@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, Self, TypeVar
 import numpy as np
 import warp as wp
 
+from metrics.kernels.memory import Memory
 from metrics.machine import cores, user
 
 Item = TypeVar("Item")
@@ -48,6 +49,8 @@ class Launcher:
             known = ", ".join(str(known) for known in wp.get_devices())
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
+        self._on: Any = wp.get_device(device)
+        self._memory = Memory()
         self.threads = threads or cores()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
@@ -94,10 +97,10 @@ class Launcher:
     def record(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> Any:
         """A launch that is ready to be started, several times if need be, by one thread at a time."""
         if (self.device, kernel) in _LOADED:
-            return wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device, record_cmd=True)
+            return wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
         # Building and loading a kernel is not safe in several threads at once.
         with _LOADING:
-            command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device, record_cmd=True)
+            command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
             _LOADED.add((self.device, kernel))
         return command
 
@@ -118,10 +121,10 @@ class Launcher:
     ) -> None:
         """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
 
-        Its dim is (rows, *width), or a thread takes `each` rows. `own(rows)` makes the last inputs, which only one
-        strip of so many rows may write to at a time. A launch is recorded for each thread, and started anew by strip.
+        Its dim is (rows, *width), or a kernel's thread takes `each` rows. `own(rows)` makes the last inputs, for a
+        strip alone: scratch of as many rows as are worked on at once. A launch is recorded for each of the launcher's
+        threads, and started anew for each strip.
         """
-        strips = self.strips(rows, n)
         idle: list[Any] = []
 
         def run(strip: Strip) -> None:
@@ -129,31 +132,46 @@ class Launcher:
             try:
                 command = idle.pop()
             except IndexError:
-                command = self.record(kernel, dim, [strip.first, *inputs, *own(strips[0].rows)])
+                at_once = 1 if self.device == "cpu" else rows
+                command = self.record(kernel, dim, [strip.first, *inputs, *own(at_once)])
             else:
                 command.set_dim(dim)
                 command.set_param_at_index(0, strip.first)
             self.start(command)
             idle.append(command)
 
-        self.each(strips, run)
+        self.each(self._shares(rows, n), run)
+
+    def _shares(self, rows: int, n: int) -> list[Strip]:
+        """Strips of whole multiples of STRIP_ROWS rows of samples, the first the largest: a half of what one thread
+        would get of the rest, so that there are few, and the last are small enough to even out the threads' ends."""
+        unit = max(1, STRIP_ROWS // n) if self.device == "cpu" else rows
+        shares, first = [], 0
+        while first < rows:
+            units = -(-(rows - first) // unit)
+            height = min(unit * max(1, units // (2 * self.threads)), rows - first)
+            shares.append(Strip(first, height))
+            first += height
+        return shares
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
-        return wp.empty(shape, dtype=dtype, device=self.device)
+        if self.device == "cpu":
+            return self._memory.array(shape, dtype)
+        return wp.empty(shape, dtype=dtype, device=self._on)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An array on the device filled with 0."""
-        return wp.zeros(shape, dtype=dtype, device=self.device)
+        return wp.zeros(shape, dtype=dtype, device=self._on)
 
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
-        return wp.array(values, dtype=dtype, device=self.device)
+        return wp.array(values, dtype=dtype, device=self._on)
 
     def view(self, values: Any, dtype: Any) -> Any:
         """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""
         held = np.ascontiguousarray(values)
-        return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
+        return wp.array(held, dtype=dtype, device=self._on, copy=self.device != "cpu")
 
 
 @contextmanager

@@ -178,7 +178,7 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
 def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that draws triangles: it clears rows of pixels, finds what they see and shades it, one thread a row.
 
-    `visible` [rows * n, grid.width] is its scratch.
+    `visible` [rows * n, grid.width] is scratch for as many rows of pixels as are worked on at once.
     """
     texel_type = TEXELS[width]
     shade, blank = shade_row(fill, shade_packet, width), blanking().native
@@ -199,8 +199,8 @@ def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp
         shaded: wp.array(dtype=wp.int32),
         visible: wp.array2d(dtype=wp.int32),
     ):
-        row = wp.tid()
-        j = first_row + row
+        j = first_row + wp.tid()
+        row = wp.tid() % (visible.shape[0] / n)
         blank(picture, j)
         if n > 1:
             blank(error, j)

@@ -87,8 +87,8 @@ def reproject(
 ):
     """The surface at each pixel's centre: 1/w (1/m) now; its place x, y (px) and 1/w in the previous frame, and the
     slope of 1/w, |d/dx| + |d/dy| a pixel. 0 where there is none. One thread a row; `visible` is scratch."""
-    row = wp.tid()
-    j = first_row + row
+    j = first_row + wp.tid()
+    row = wp.tid() % visible.shape[0]
     see_row(row, j, grid, edges, planes, bounds, visible)
     i = wp.int32(0)
     while i < grid.width:

@@ -6,7 +6,6 @@ clamped to the colours of x nearby. Where the surface was off-screen or hidden a
 that resizes each frame stands alone: it is the recursion over preroll + 1 jitters of its own still view.
 """
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
@@ -65,7 +64,7 @@ class Accumulation:
         if last is not None and last.frame >= shot.frame:
             last = None
         for frame in range(-settings.preroll if last is None else last.frame + 1, shot.frame + 1):
-            last = advance(replace(shot, frame=frame), shot.sequence.view(frame - 1), frame, last, settings)
+            last = advance(shot.at(frame), shot.sequence.view(frame - 1), frame, last, settings)
         self._last = last
         return Picture(to_image(last.picture), shaded=int(last.shaded.numpy().sum(dtype=np.int64)))
 

@@ -80,8 +80,8 @@ def interpolate(
     visible: wp.array2d(dtype=wp.int32),
 ):
     """Fill rows of pixels with the colours that the planes carry, one thread a row; `visible` is scratch."""
-    row = wp.tid()
-    j = first_row + row
+    j = first_row + wp.tid()
+    row = wp.tid() % visible.shape[0]
     see_row(row, j, grid, edges, planes, bounds, visible)
     for i in range(grid.width):
         colour = wp.vec4(0.0, 0.0, 0.0, 0.0)
