@@ -76,8 +76,9 @@ class Launcher:
                     return
                 body(item)
 
-        tasks = [self._pool.submit(work) for _ in range(min(self.threads, len(waiting)))]
+        tasks = [self._pool.submit(work) for _ in range(min(self.threads, len(waiting)) - 1)]
         try:
+            work()
             for task in tasks:
                 task.result()
         except BaseException:

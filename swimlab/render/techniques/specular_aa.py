@@ -62,35 +62,45 @@ NEIGHBOURS = """
     typedef float vec_n __attribute__((ext_vector_type(4), aligned(4)));
     vec_n fine[2][LANES], coarse[2][LANES];
     for (int s = 0; s < 2; ++s) {
+        #pragma clang loop vectorize(assume_safety)
         for (int k = 0; k < count; ++k) {
             fu[k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - su[k]*(float)(number[k] - 1)*0.5f;
             fv[k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - sv[k]*(float)(number[k] - 1)*0.5f;
-            fine[s][k] = coarse[s][k] = 0.0f;
         }
+        __builtin_memset(fine[s], 0, sizeof fine[s]);
+        __builtin_memset(coarse[s], 0, sizeof coarse[s]);
+        auto lookup = [&](int o, int k) {
+            #pragma clang fp contract(fast)
+            auto read = [&](int which) { return *(const vec_n*)(data + (long)at[o][which][k]*WIDTH + 3); };
+            const vec_n upper = read(0) + (read(1) - read(0))*across[o][k];
+            const vec_n lower = read(2) + (read(3) - read(2))*across[o][k];
+            return upper + (lower - upper)*down[o][k];
+        };
         for (int i = 0; i < most; ++i) {
-            for (int o = 0; o <= blended; ++o) {
-                address(o, (float)i);
-                vec_n* __restrict sum = o == 0 ? fine[s] : coarse[s];
-                for (int k = 0; k < count; ++k) {
-                    #pragma clang fp contract(fast)
-                    if (i >= number[k]) continue;
-                    auto read = [&](int which) { return *(const vec_n*)(data + (long)at[o][which][k]*WIDTH + 3); };
-                    const vec_n upper = read(0) + (read(1) - read(0))*across[o][k];
-                    const vec_n lower = read(2) + (read(3) - read(2))*across[o][k];
-                    sum[k] += upper + (lower - upper)*down[o][k];
-                }
+            address(0, (float)i);
+            if (blended) address(1, (float)i);
+            for (int k = 0; k < count; ++k) {
+                if (i >= number[k]) continue;
+                fine[s][k] += lookup(0, k);
+                if (blend[k] > 1.0e-6f) coarse[s][k] += lookup(1, k);
             }
         }
     }
+    float mean[2][3][LANES];
+    for (int s = 0; s < 2; ++s)
+        for (int k = 0; k < count; ++k) {
+            const vec_n m = fine[s][k]*(1.0f - blend[k]) + coarse[s][k]*blend[k];
+            mean[s][0][k] = m.x; mean[s][1][k] = m.y; mean[s][2][k] = m.z;
+        }
+    #pragma clang loop vectorize(assume_safety)
     for (int k = 0; k < count; ++k) {
         const float x = out[3*LANES + k], y = out[4*LANES + k], z = out[5*LANES + k], long_n = x*x + y*y + z*z;
         const float unit = long_n > 0.0f ? 1.0f/__builtin_sqrtf(long_n) : 0.0f;
         float turn = 0.0f;
         for (int s = 0; s < 2; ++s) {
-            const float c = blend[k] > 1.0e-6f ? blend[k] : 0.0f;
-            const vec_n m = fine[s][k]*(1.0f - c) + coarse[s][k]*c;
-            const float long_m = m.x*m.x + m.y*m.y + m.z*m.z, one = long_m > 0.0f ? 1.0f/__builtin_sqrtf(long_m) : 0.0f;
-            const float dx = m.x*one - x*unit, dy = m.y*one - y*unit, dz = m.z*one - z*unit;
+            const float a = mean[s][0][k], b = mean[s][1][k], c = mean[s][2][k], long_m = a*a + b*b + c*c;
+            const float one = long_m > 0.0f ? 1.0f/__builtin_sqrtf(long_m) : 0.0f;
+            const float dx = a*one - x*unit, dy = b*one - y*unit, dz = c*one - z*unit;
             turn += dx*dx + dy*dy + dz*dz;
         }
         const float wider = 2.0f*VARIANCE*turn;
