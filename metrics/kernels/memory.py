@@ -1,4 +1,4 @@
-"""Memory of the CPU that arrays give back, kept for the next ones: fresh memory costs as much as filling it ten times."""
+"""Memory of the CPU that arrays give back, kept for the next ones: to get it anew costs far more than to fill it."""
 
 from collections import defaultdict
 from math import prod

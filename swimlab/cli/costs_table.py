@@ -24,17 +24,17 @@ def print_costs(costs: Costs) -> None:
     )
     print_whole(table)
     serial = Table("serial share", title="One thread against two", box=None)
-    for heading in ("size", "1 thread, ms", "2 threads, ms", "share", "quartiles", "alone", "cores busy"):
+    for heading in ("size", "1 thread, ms", "2 threads, ms", "share", "quartiles", "outside kernels", "cores busy"):
         serial.add_column(heading, justify="right")
     for each in costs.serial:
         low, high = each.quartiles
-        times = [f"{each.one_ms:.1f}", f"{each.two_ms:.1f}"]
-        shares = [f"{each.share:.0%}", f"{low:.0%} to {high:.0%}", f"{each.alone:.0%}", f"{each.busy:.2f}"]
-        serial.add_row(each.what, "{}x{}".format(*each.size), *times, *shares)
+        outside = "–" if each.outside is None else f"{each.outside:.0%}"
+        cells = [f"{each.one_ms:.1f}", f"{each.two_ms:.1f}", f"{each.share:.0%}", f"{low:.0%} to {high:.0%}"]
+        serial.add_row(each.what, "{}x{}".format(*each.size), *cells, outside, f"{each.busy:.2f}")
     serial.caption_justify = "left"
     serial.caption = (
         "Share: of the work, by the clock, what a second thread does not shorten (Amdahl); it means nothing while "
-        "other programs run. Alone: of the time of all cores, what the calling thread spent by itself."
+        "other programs run. Outside kernels: of the time of one core, which is the most that is serial."
     )
     print_whole(serial)
 

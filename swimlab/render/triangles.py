@@ -59,7 +59,9 @@ def on_screen(
         slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
     mesh = mesh if carried is None else replace(mesh, positions=carried)
     triangles = set_up(launcher, points, mesh, np.arange(len(mesh.triangles)), drawn=facing & ~slivers)
-    return replace(triangles, back_faces=len(facing) - np.count_nonzero(facing), slivers=np.count_nonzero(slivers))
+    return replace(
+        triangles, back_faces=len(facing) - int(np.count_nonzero(facing)), slivers=int(np.count_nonzero(slivers))
+    )
 
 
 def in_texture(launcher: Launcher, mesh: Mesh, segment: int, texel: float) -> Triangles:

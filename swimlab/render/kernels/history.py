@@ -139,17 +139,42 @@ def box_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, histor
 
 YCOCG = """
     auto to_ycocg = [](vec c) {
-        const vec r = {0.25f, 0.5f, -0.25f, 0.0f}, g = {0.5f, 0.0f, 0.5f, 0.0f}, b = {0.25f, -0.5f, -0.25f, 0.0f};
-        const vec alpha = {0.0f, 0.0f, 0.0f, 1.0f};
-        return c.x*r + c.y*g + c.z*b + c.w*alpha;
+        const vec a = {0.5f, 0.5f, 0.5f, 1.0f}, b = {0.25f, -0.5f, -0.25f, 0.0f}, d = {0.25f, 0.0f, -0.25f, 0.0f};
+        return c.yxyw*a + c.xzxw*b + c.zzzz*d;
     };
-    vec around[9];
-    for (int y = 0; y < 3; ++y) {
-        const vec* row = line(j - 1 + y);
-        for (int x = 0; x < 3; ++x) around[3*y + x] = to_ycocg(row[column(i - 1 + x)]);
+"""
+"""C++ of RGBA as Y, Co, Cg, A."""
+
+RANGE = """
+    vec least, most;
+    if (i > 0 && i < right) {
+        // Two pixels at a time: on the left with the middle, and the middle with on the right.
+        typedef float two __attribute__((ext_vector_type(8), aligned(4)));
+        const two a = {0.5f, 0.5f, 0.5f, 1.0f, 0.5f, 0.5f, 0.5f, 1.0f};
+        const two b = {0.25f, -0.5f, -0.25f, 0.0f, 0.25f, -0.5f, -0.25f, 0.0f};
+        const two d = {0.25f, 0.0f, -0.25f, 0.0f, 0.25f, 0.0f, -0.25f, 0.0f};
+        two low2 = __builtin_inff(), high2 = -__builtin_inff();
+        for (int y = j - 1; y <= j + 1; ++y)
+            for (int x = i - 1; x <= i; ++x) {
+                const two c = *(const two*)(line(y) + x);
+                const two value = __builtin_shufflevector(c, c, 1, 0, 1, 3, 5, 4, 5, 7)*a
+                    + __builtin_shufflevector(c, c, 0, 2, 0, 3, 4, 6, 4, 7)*b
+                    + __builtin_shufflevector(c, c, 2, 2, 2, 2, 6, 6, 6, 6)*d;
+                low2 = value < low2 ? value : low2;
+                high2 = value > high2 ? value : high2;
+            }
+        least = low2.lo < low2.hi ? low2.lo : low2.hi;
+        most = high2.lo > high2.hi ? high2.lo : high2.hi;
+    } else {
+        least = most = to_ycocg(line(j)[i]);
+        for (int y = j - 1; y <= j + 1; ++y)
+            for (int x = i - 1; x <= i + 1; ++x) {
+                const vec value = to_ycocg(line(y)[column(x)]);
+                least = value < least ? value : least;
+                most = value > most ? value : most;
+            }
     }
 """
-"""C++ of the 3 x 3 pixels about pixel (i, j), in YCoCg and alpha."""
 
 HELD = """
     vec held = to_ycocg(*(const vec*)history.c);
@@ -164,14 +189,7 @@ HELD = """
 @form()
 def box() -> Twins:
     """`box_clamp`."""
-    native = """
-    vec least = around[4], most = around[4];
-    for (int k = 0; k < 9; ++k) {
-        least = around[k] < least ? around[k] : least;
-        most = around[k] > most ? around[k] : most;
-    }
-"""
-    return Twins(box_clamp, PIXELS.replace("IMAGE", "fresh") + YCOCG + native + HELD)
+    return Twins(box_clamp, PIXELS.replace("IMAGE", "fresh") + YCOCG + RANGE + HELD)
 
 
 @wp.func
@@ -197,7 +215,8 @@ def variance_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, h
 def variance() -> Twins:
     """`variance_clamp`."""
     native = """
-    vec mean = 0.0f, square = 0.0f;
+    vec around[9], mean = 0.0f, square = 0.0f;
+    for (int k = 0; k < 9; ++k) around[k] = to_ycocg(line(j - 1 + k/3)[column(i - 1 + k%3)]);
     for (int k = 0; k < 9; ++k) mean += around[k]/9.0f;
     for (int k = 0; k < 9; ++k) square += (around[k] - mean)*(around[k] - mean)/9.0f;
     const vec spread = {__builtin_sqrtf(square.x), __builtin_sqrtf(square.y), __builtin_sqrtf(square.z),

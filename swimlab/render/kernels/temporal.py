@@ -129,6 +129,25 @@ def surface_beside(nearness: wp.array2d(dtype=wp.float32), i: wp.int32, j: wp.in
     return found
 
 
+@wp.func
+def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
+    """Whether the previous frame saw this surface: one of the 3 x 3 pixels about its place has its 1/w.
+
+    The tolerance is a tenth, and the slope of 1/w (constant over a plane) times the distance to the pixel's centre.
+    """
+    i = wp.int32(wp.floor(place[0]))
+    j = wp.int32(wp.floor(place[1]))
+    if place[2] <= 0.0 or not inside(nearness, i, j):
+        return False
+    apart = 0.1 * place[2] + 1.5 * place[3]
+    for y in range(j - 1, j + 2):
+        for x in range(i - 1, i + 2):
+            if inside(nearness, x, y):
+                if nearness[y, x] > 0.0 and wp.abs(nearness[y, x] - place[2]) <= apart:
+                    return True
+    return False
+
+
 BESIDE = """
     const int right = nearness.shape[1] - 1, low = nearness.shape[0] - 1;
     auto line = [&](int y) { return (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]); };
@@ -149,26 +168,74 @@ def beside() -> Twins:
     return Twins(surface_beside, BESIDE)
 
 
-find_beside = beside().native
+SEEN = """
+    const int right = nearness.shape[1] - 1, low = nearness.shape[0] - 1;
+    const float fi = __builtin_floorf(place.c[0]), fj = __builtin_floorf(place.c[1]), was = place.c[2];
+    const int i = (int)fi, j = (int)fj;
+    if (was <= 0.0f || i < 0 || j < 0 || i > right || j > low) return false;
+    const float apart = 0.1f*was + 1.5f*place.c[3];
+    for (int v = j > 0 ? j - 1 : 0; v <= (j < low ? j + 1 : low); ++v) {
+        const float* line = (const float*)((const char*)nearness.data + (long)v*nearness.strides[0]);
+        for (int u = i > 0 ? i - 1 : 0; u <= (i < right ? i + 1 : right); ++u)
+            if (line[u] > 0.0f && __builtin_fabsf(line[u] - was) <= apart) return true;
+    }
+    return false;
+"""
 
 
-@wp.func
-def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
-    """Whether the previous frame saw this surface: one of the 3 x 3 pixels about its place has its 1/w.
+@form()
+def seeing() -> Twins:
+    """`was_seen`."""
+    return Twins(was_seen, SEEN)
 
-    The tolerance is a tenth, and the slope of 1/w (constant over a plane) times the distance to the pixel's centre.
-    """
-    i = wp.int32(wp.floor(place[0]))
-    j = wp.int32(wp.floor(place[1]))
-    if place[2] <= 0.0 or not inside(nearness, i, j):
-        return False
-    apart = 0.1 * place[2] + 1.5 * place[3]
-    for y in range(j - 1, j + 2):
-        for x in range(i - 1, i + 2):
-            if inside(nearness, x, y):
-                if nearness[y, x] > 0.0 and wp.abs(nearness[y, x] - place[2]) <= apart:
+
+ANY_NEAR = """
+    float most = 0.0f;
+    for (int y = j > 0 ? j - 1 : 0; y <= j + 1 && y < nearness.shape[0]; ++y) {
+        const float* __restrict line = (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]);
+        float found[16] = {};
+        int i = 0;
+        for (; i + 16 <= nearness.shape[1]; i += 16)
+            for (int k = 0; k < 16; ++k) found[k] = line[i + k] > found[k] ? line[i + k] : found[k];
+        for (; i < nearness.shape[1]; ++i) most = line[i] > most ? line[i] : most;
+        for (int k = 0; k < 16; ++k) most = found[k] > most ? found[k] : most;
+    }
+    return most > 0.0f;
+"""
+
+
+@form()
+def any_near() -> Twins:
+    """The function that tells whether a pixel of row j, or of the rows above and below it, sees a surface."""
+
+    @wp.func(module="unique")
+    def near(nearness: wp.array2d(dtype=wp.float32), j: wp.int32) -> wp.bool:
+        for y in range(wp.max(j - 1, 0), wp.min(j + 2, nearness.shape[0])):
+            for i in range(nearness.shape[1]):
+                if nearness[y, i] > 0.0:
                     return True
-    return False
+        return False
+
+    return Twins(near, ANY_NEAR)
+
+
+@form()
+def copying() -> Twins:
+    """The function that copies row j of a picture."""
+
+    @wp.func(module="unique")
+    def copy(image: wp.array2d(dtype=wp.vec4), j: wp.int32, out: wp.array2d(dtype=wp.vec4)):
+        for i in range(image.shape[1]):
+            out[j, i] = image[j, i]
+
+    return Twins(
+        copy,
+        "__builtin_memcpy((char*)out.data + (long)j*out.strides[0], (char*)image.data + (long)j*image.strides[0],"
+        " 16*image.shape[1]);",
+    )
+
+
+find_beside, seen, near_row, copy = beside().native, seeing().native, any_near().native, copying().native
 
 
 @functools.cache
@@ -191,6 +258,9 @@ def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
         picture: wp.array2d(dtype=wp.vec4),
     ):
         j = first_row + wp.tid()
+        if not near_row(nearness, j):
+            copy(fresh, j, picture)
+            return
         for i in range(fresh.shape[1]):
             picture[j, i] = fresh[j, i]
             owner = find_beside(nearness, i, j)
@@ -201,7 +271,7 @@ def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
                 on_screen = (
                     x >= 0.0 and y >= 0.0 and x <= wp.float32(fresh.shape[1]) and y <= wp.float32(fresh.shape[0])
                 )
-                if on_screen and was_seen(nearness_before, place):
+                if on_screen and seen(nearness_before, place):
                     kept = premultiplied(clamp(fresh, i, j, read(history, x, y)))
                     picture[j, i] = kept + (fresh[j, i] - kept) * blend
 

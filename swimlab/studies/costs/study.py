@@ -11,12 +11,12 @@ from swimlab.render.inputs import BOX
 from swimlab.render.material import load_material
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
-from swimlab.studies.costs.serial import Serial, serial_study, whole_frame
-from swimlab.studies.costs.watched import WatchedLauncher
+from swimlab.studies.costs.serial import Serial, serial_study
+from swimlab.studies.costs.watched import WatchedLauncher, watched_frames
 from swimlab.studies.costs.work import Rates, Sight, measured_rates, reads_of
 from swimlab.studies.speed.settings import SEVERAL
 from swimlab.studies.trials import Stage, Variant
-from swimlab.studies.turns import Task, Time, cpu, in_turns, wall
+from swimlab.studies.turns import Time, cpu, in_turns, wall
 
 AGAINST = "pixel-aniso"
 """What ratios are to."""
@@ -115,34 +115,17 @@ def cost_study(
         shot = next(iter(stages.values())).shot(0)
         rates = measured_rates(shot, rounds=5 * rounds)
         advance("rates")
-        watched: dict[str, list[Mapping[str, float]]] = {variant.label: [] for variant, _ in tried}
-        shaded: dict[str, int] = {}
-
-        def task(variant: Variant, stage: Stage) -> Task:
-            frame = whole_frame(stage, variant)
-
-            def prepare(turn: int) -> Callable[[], object]:
-                run = frame(turn)
-                launcher.take()
-
-                def render() -> None:
-                    picture: Any = run()
-                    watched[variant.label].append(launcher.take())
-                    shaded[variant.label] = picture.shaded
-
-                return render
-
-            return prepare
-
-        times = in_turns({variant.label: task(variant, stages[samples]) for variant, samples in tried}, rounds)
+        watched = {variant.label: watched_frames(stages[samples], variant, launcher) for variant, samples in tried}
+        times = in_turns({label: task for label, (task, _) in watched.items()}, rounds)
         advance("techniques")
         rows = []
         sight, texel = Sight(shot), 4 * material.chain(BOX).floats
         for variant, _ in tried:
             settings = techniques()[variant.technique].settings.model_validate(dict(variant.settings))
-            count = shaded[variant.label]
+            frames = watched[variant.label][1]
+            count = frames[-1].shaded
             reads = reads_of(variant, settings, sight, count)
-            spent = _spent(times[variant.label], watched[variant.label][1:], on_cpu=device == "cpu")
+            spent = _spent(times[variant.label], [frame.kernels for frame in frames[1:]], on_cpu=device == "cpu")
             rows.append(
                 Row(
                     label=variant.label,

@@ -2,12 +2,14 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 import warp as wp
 
 from metrics.kernels.launch import Launcher
+from swimlab.studies.trials import Stage, Variant
+from swimlab.studies.turns import Task
 
 
 class WatchedLauncher(Launcher):
@@ -37,6 +39,29 @@ class WatchedLauncher(Launcher):
             return time.thread_time()
         wp.synchronize_device(self.device)
         return time.perf_counter()
+
+
+class Frame(NamedTuple):
+    """Milliseconds of all threads by kernel, and evaluations of the model."""
+
+    kernels: Mapping[str, float]
+    shaded: int
+
+
+def watched_frames(stage: Stage, variant: Variant, launcher: WatchedLauncher) -> tuple[Task, list[Frame]]:
+    """Rendering one frame, the next of the sequence each turn, mesh and set-up included; and what is noted of each."""
+    render, noted = variant.begin(), list[Frame]()
+
+    def prepare(turn: int) -> Callable[[], object]:
+        launcher.take()
+
+        def run() -> None:
+            picture = render(stage.shot(stage.frames[0] + turn))
+            noted.append(Frame(launcher.take(), picture.shaded))
+
+        return run
+
+    return prepare, noted
 
 
 def kernel_name(kernel: wp.Kernel) -> str:

@@ -7,6 +7,7 @@ from pkgutil import walk_packages
 
 import numpy as np
 import pytest
+import temporal_forms
 import warp as wp
 from packets import SAMPLES, in_rows, shade
 
@@ -299,7 +300,7 @@ def waves(launcher, shoot, sum_waves, width):
     yield values.numpy()
 
 
-RUNS = {
+RUNS = temporal_forms.RUNS | {
     ("texels", "chain", "places", "count", "lanes"): filled,
     ("lanes", "sun"): shaded,
     ("planes", "grid", "first", "row", "count", "places", "lanes"): located,

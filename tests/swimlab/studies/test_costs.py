@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.studies.costs import study
-from swimlab.studies.costs.serial import Round, Serial, of_rounds, serial_share, serial_study
+from swimlab.studies.costs.serial import Serial, of_times, serial_share, serial_study
 from swimlab.studies.costs.watched import WatchedLauncher
 from swimlab.studies.costs.work import READS, Rates, Sight
 from swimlab.studies.trials import Variant
@@ -74,7 +74,7 @@ def test_kernels_are_noted_by_name_and_forgotten():
         stage = study.Stage(SMALL, [0], samples=4, launcher=launcher)
         stage.pictures(Variant("pixel-aniso", "pixel-aniso"))
         noted = launcher.take()
-        assert "shade_samples" in noted
+        assert "draw_samples" in noted
         assert all(ms > 0 for ms in noted.values())
         assert not launcher.take()
 
@@ -86,14 +86,14 @@ def test_amdahls_law_is_inverted(share, one, tolerance):
 
 
 def test_shares_of_rounds_have_their_spread():
-    one = [Round(Time(10.0, 9.0), 1.0)] * 3
-    two = [Round(Time(wall, cpu), 0.1 * cpu) for wall, cpu in ((5.0, 10.0), (6.0, 9.0), (10.0, 10.0))]
-    found = of_rounds("x", (4, 2), one, two)
+    one, two = [Time(10.0, 9.0)] * 3, [Time(5.0, 10.0), Time(6.0, 9.0), Time(10.0, 10.0)]
+    found = of_times("x", (4, 2), one, two, [8.1, 8.1, 9.0])
     assert found.shares == pytest.approx([0.0, 0.2, 1.0])
     assert found.share == pytest.approx(0.2)
     assert found.quartiles[0] <= found.share <= found.quartiles[1]
     assert (found.one_ms, found.two_ms, found.busy) == (10.0, 6.0, 1.5)
-    assert found.alone == pytest.approx(0.1)
+    assert found.outside == pytest.approx(0.1)
+    assert of_times("x", (4, 2), one, two).outside is None
 
 
 def test_rates_are_nanoseconds():
@@ -104,7 +104,8 @@ def test_rendering_and_measuring_are_timed_on_one_thread_and_two():
     found = serial_study(SMALL, rounds=1, render_size=(64, 64), measure_size=(96, 80))
     assert [each.what for each in found] == ["pixel-point", "pixel-trilinear", "pixel-aniso", "vmf", "measuring"]
     assert all(each.one_ms > 0 and each.two_ms > 0 and each.busy > 0 for each in found)
-    assert all(0 < each.alone <= 1 for each in found)
+    assert all(0 < each.outside < 1 for each in found[:-1])
+    assert found[-1].outside is None
 
 
 def test_costs_are_printed(swimlab, monkeypatch, costs):
@@ -120,7 +121,7 @@ def test_costs_are_printed(swimlab, monkeypatch, costs):
     assert (found["sequence"], found["size"]) == ("road-shift", [96, 64])
     contract = {"label", "technique", "settings", "cpu_ms", "wall_ms", "outside_ms", "ratio", "shaded"}
     assert all(contract <= set(row) for row in found["rows"])
-    assert {"share", "quartiles", "alone", "one_ms", "two_ms"} <= set(found["serial"][0])
+    assert {"share", "quartiles", "outside", "one_ms", "two_ms"} <= set(found["serial"][0])
 
 
 def test_a_bad_number_of_rounds_is_refused(swimlab):
