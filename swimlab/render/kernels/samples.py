@@ -70,7 +70,8 @@ def gathering() -> Twins:
 
 
 BLANK = """
-    __builtin_memset((char*)picture.data + (long)j*picture.strides[0], 0, 16*picture.shape[1]);
+    float* at = (float*)((char*)picture.data + (long)j*picture.strides[0]);
+    for (int i = 0; i < 4*picture.shape[1]; ++i) at[i] = 0.0f;
 """
 
 

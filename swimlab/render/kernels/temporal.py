@@ -4,7 +4,7 @@ import functools
 
 import warp as wp
 
-from metrics.kernels.forms import Twins, form
+from metrics.kernels.forms import Form, Twins, form
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.geometry import Previous, place_before
 from swimlab.render.kernels.history import premultiplied
@@ -70,38 +70,44 @@ def projecting() -> Twins:
     return Twins(project, PROJECT)
 
 
-project = projecting().native
+@functools.cache
+def reproject_on(device: str) -> wp.Kernel:
+    """The kernel that finds the surface at each pixel's centre, now and in the previous frame, one thread a row.
 
+    nearness: 1/w (1/m) now. places: its place x, y (px) and 1/w in the previous frame, and the slope of 1/w,
+    |d/dx| + |d/dy| a pixel. 0 where there is none. `visible` is scratch.
+    """
+    project = projecting().on(device)
 
-@wp.kernel
-def reproject(
-    first_row: wp.int32,
-    grid: Grid,
-    edges: wp.array(dtype=Edges),
-    planes: wp.array(dtype=Planes),
-    bounds: wp.array(dtype=wp.vec2d),
-    previous: Previous,
-    nearness: wp.array2d(dtype=wp.float32),
-    places: wp.array2d(dtype=wp.vec4),
-    visible: wp.array2d(dtype=wp.int32),
-):
-    """The surface at each pixel's centre: 1/w (1/m) now; its place x, y (px) and 1/w in the previous frame, and the
-    slope of 1/w, |d/dx| + |d/dy| a pixel. 0 where there is none. One thread a row; `visible` is scratch."""
-    j = first_row + wp.tid()
-    row = wp.tid() % visible.shape[0]
-    see_row(row, j, grid, edges, planes, bounds, visible)
-    i = wp.int32(0)
-    while i < grid.width:
-        triangle = visible[row, i]
-        stop = wp.int32(i + 1)
-        if triangle >= 0:
-            while stop < grid.width and visible[row, stop] == triangle:
-                stop += 1
-            project(planes[triangle], grid, previous, i, j, stop - i, nearness, places)
-        else:
-            nearness[j, i] = 0.0
-            places[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        i = stop
+    @wp.kernel(module="unique", enable_backward=False)
+    def reproject(
+        first_row: wp.int32,
+        grid: Grid,
+        edges: wp.array(dtype=Edges),
+        planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        previous: Previous,
+        nearness: wp.array2d(dtype=wp.float32),
+        places: wp.array2d(dtype=wp.vec4),
+        visible: wp.array2d(dtype=wp.int32),
+    ):
+        j = first_row + wp.tid()
+        row = wp.tid() % visible.shape[0]
+        see_row(row, j, grid, edges, planes, bounds, visible)
+        i = wp.int32(0)
+        while i < grid.width:
+            triangle = visible[row, i]
+            stop = wp.int32(i + 1)
+            if triangle >= 0:
+                while stop < grid.width and visible[row, stop] == triangle:
+                    stop += 1
+                project(planes[triangle], grid, previous, i, j, stop - i, nearness, places)
+            else:
+                nearness[j, i] = 0.0
+                places[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+            i = stop
+
+    return reproject
 
 
 @wp.func
@@ -163,7 +169,7 @@ BESIDE = """
 
 
 @form()
-def beside() -> Twins:
+def finding_beside() -> Twins:
     """`surface_beside`."""
     return Twins(surface_beside, BESIDE)
 
@@ -235,16 +241,16 @@ def copying() -> Twins:
     )
 
 
-find_beside, seen, near_row, copy = beside().native, seeing().native, any_near().native, copying().native
-
-
 @functools.cache
-def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
+def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Kernel:
     """The kernel that blends rows of a new frame into the history, or keeps them where that saw another surface.
 
     `fresh` and `history` are premultiplied [H, W]; `nearness` and `places` are `reproject`'s of the new frame,
     `nearness_before` is the frame before's.
     """
+
+    read, clamp = history_read.on(device), history_clamp.on(device)
+    beside, seen, near, copy = (each().on(device) for each in (finding_beside, seeing, any_near, copying))
 
     @wp.kernel(module="unique", enable_backward=False)
     def resolve(
@@ -258,12 +264,12 @@ def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
         picture: wp.array2d(dtype=wp.vec4),
     ):
         j = first_row + wp.tid()
-        if not near_row(nearness, j):
+        if not near(nearness, j):
             copy(fresh, j, picture)
             return
         for i in range(fresh.shape[1]):
             picture[j, i] = fresh[j, i]
-            owner = find_beside(nearness, i, j)
+            owner = beside(nearness, i, j)
             if owner[0] >= 0:
                 place = places[owner[1], owner[0]]
                 x = place[0] + wp.float32(i - owner[0])

@@ -16,7 +16,7 @@ from pydantic import Field
 from sequences import View
 from swimlab.render.geometry import seen_from
 from swimlab.render.kernels.history import CLAMPS, READS
-from swimlab.render.kernels.temporal import reproject, resolve_with
+from swimlab.render.kernels.temporal import reproject_on, resolve_with
 from swimlab.render.kernels.texture_filter import anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
@@ -89,7 +89,7 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
     launcher.over(
         view.height,
-        reproject,
+        reproject_on(launcher.device),
         (),
         [grid, triangles.edges, triangles.planes, triangles.bounds, seen_from(shot, before), nearness, places],
         own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
@@ -97,9 +97,9 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     if last is None:
         return History(step, fresh, nearness, shaded)
     picture = launcher.empty(size, wp.vec4)
-    read, clamp = READS[settings.history].on(launcher.device), CLAMPS[settings.clamp].on(launcher.device)
+    resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
     inputs = [settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
-    launcher.over(view.height, resolve_with(read, clamp), (), inputs)
+    launcher.over(view.height, resolve, (), inputs)
     return History(step, picture, nearness, shaded)
 
 

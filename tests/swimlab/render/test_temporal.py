@@ -7,7 +7,7 @@ import warp as wp
 from sequences import load
 from swimlab.render.geometry import describe_geometry, seen_from
 from swimlab.render.kernels.history import CLAMPS, READS
-from swimlab.render.kernels.temporal import reproject, resolve_with
+from swimlab.render.kernels.temporal import reproject_on, resolve_with
 
 H, W = 12, 16
 BLEND = 0.25
@@ -26,7 +26,7 @@ def resolve(launcher):
         vectors = [np.broadcast_to(each, (H, W, 4)).astype(np.float32) for each in (fresh, places, history)]
         fresh, places, history = (launcher.array(each, wp.vec4) for each in vectors)
         now, before = (launcher.array(each.astype(np.float32), wp.float32) for each in (now, before))
-        kernel = resolve_with(READS[read].native, CLAMPS[clamp].native)
+        kernel = resolve_with(READS[read], CLAMPS[clamp], launcher.device)
         launcher.launch(kernel, H, [0, BLEND, fresh, now, places, history, before, picture])
         return picture.numpy()
 
@@ -148,7 +148,7 @@ def test_places_are_where_motion_leads_back_to(launcher, shoot, tolerance, name)
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
     inputs = [0, shot.grid(), triangles.edges, triangles.planes, triangles.bounds]
     inputs += [seen_from(shot, shot.sequence.view(1)), nearness, places, scratch]
-    launcher.launch(reproject, 36, inputs)
+    launcher.launch(reproject_on(launcher.device), 36, inputs)
     hit = geometry.depth > 0
     j, i = np.mgrid[:36, :64] + 0.5
     nearness, places = nearness.numpy(), places.numpy()
