@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
-import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
@@ -114,5 +113,10 @@ class Shot:
         grid.origin = wp.vec2d(*view.origin)
         grid.pitch = wp.vec2d(view.pitch[0] / n, view.pitch[1] / n)
         grid.width, grid.height = view.width * n, view.height * n
-        grid.jittered, grid.seed = int(jittered), int(np.uint32(self.sequence.seed).view(np.int32))
+        grid.jittered, grid.seed = int(jittered), _signed(self.sequence.seed)
         return grid
+
+
+def _signed(seed: int) -> int:
+    """The 32 bits of a seed as the kernels' signed number."""
+    return seed - (1 << 32) if seed >= 1 << 31 else seed

@@ -44,6 +44,7 @@ ISOTROPIC_PROBE = """
 """
 
 ANISOTROPIC_PROBES = """
+    float au[LANES], av[LANES];
     #pragma clang loop vectorize(assume_safety)
     for (int k = 0; k < count; ++k) {
         const double xx = q[2*LANES + k]*W, xy = q[3*LANES + k]*H, yx = q[4*LANES + k]*W, yy = q[5*LANES + k]*H;
@@ -59,7 +60,8 @@ ANISOTROPIC_PROBES = """
         number[k] = (int)n; lod[k] = log2_of((float)(major/n));
         const float lu = (float)(ax*major/W), lv = (float)(ay*major/H), share = (float)n;
         su[k] = lu/share; sv[k] = lv/share;
-        fu[k] = (float)q[k] - (lu - su[k])*0.5f; fv[k] = (float)q[LANES + k] - (lv - sv[k])*0.5f;
+        au[k] = (lu - su[k])*0.5f; av[k] = (lv - sv[k])*0.5f;
+        fu[k] = (float)q[k] - au[k]; fv[k] = (float)q[LANES + k] - av[k];
     }
 """
 

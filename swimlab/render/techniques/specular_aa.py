@@ -64,8 +64,8 @@ NEIGHBOURS = """
     for (int s = 0; s < 2; ++s) {
         #pragma clang loop vectorize(assume_safety)
         for (int k = 0; k < count; ++k) {
-            fu[k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - su[k]*(float)(number[k] - 1)*0.5f;
-            fv[k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - sv[k]*(float)(number[k] - 1)*0.5f;
+            fu[k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - au[k];
+            fv[k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - av[k];
         }
         __builtin_memset(fine[s], 0, sizeof fine[s]);
         __builtin_memset(coarse[s], 0, sizeof coarse[s]);
