@@ -87,33 +87,22 @@ def sighted(launcher):
     return launcher.array(nearness.astype(np.float32), wp.float32)
 
 
-def accompanied(launcher, shoot, beside, width):
-    """Every pixel, at the borders too."""
+def placed(launcher, shoot, place, width):
+    """Every pixel, at the borders too; places on the screen and beyond, of surfaces alike and unlike."""
 
     @wp.kernel(module="unique", enable_backward=False)
-    def kernel(nearness: wp.array2d(dtype=wp.float32), found: wp.array2d(dtype=wp.vec2i)):
+    def kernel(
+        nearness: wp.array2d(dtype=wp.float32), places: wp.array2d(dtype=wp.vec4), found: wp.array2d(dtype=wp.vec3)
+    ):
         j, i = wp.tid()
-        found[j, i] = beside(nearness, i, j)
+        found[j, i] = place(nearness, places, nearness, i, j)
 
-    found = launcher.zeros(SIZE, wp.vec2i)
-    launcher.launch(kernel, SIZE, [sighted(launcher), found])
-    assert (found.numpy()[0] == -1).all()
-    assert (found.numpy()[4:] >= 0).any()
+    places = np.random.default_rng(0).uniform((-3, -3, -0.02, 0), (43, 12, 0.2, 0.01), (*SIZE, 4))
+    found = launcher.zeros(SIZE, wp.vec3)
+    launcher.launch(kernel, SIZE, [sighted(launcher), launcher.array(places, wp.vec4), found])
+    assert not found.numpy()[:2].any()
+    assert 0.05 < found.numpy()[3:, :, 2].mean() < 0.95
     yield found.numpy()
-
-
-def seen(launcher, shoot, was_seen, width):
-    """Places on the screen and beyond, of surfaces alike and unlike."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(nearness: wp.array2d(dtype=wp.float32), places: wp.array(dtype=wp.vec4), out: wp.array(dtype=wp.bool)):
-        out[wp.tid()] = was_seen(nearness, places[wp.tid()])
-
-    places = np.random.default_rng(0).uniform((-3, -3, -0.02, 0), (43, 12, 0.2, 0.01), (600, 4))
-    out = launcher.zeros(600, wp.bool)
-    launcher.launch(kernel, 600, [sighted(launcher), launcher.array(places, wp.vec4), out])
-    assert 60 < out.numpy().sum() < 540
-    yield out.numpy()
 
 
 def near(launcher, shoot, any_near, width):
@@ -163,13 +152,27 @@ def clamped(launcher, shoot, clamp, width):
     yield out.numpy()
 
 
+def possible(launcher, shoot, premultiplied, width):
+    """Colours with alpha under 0, within 0..1 and above."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(given: wp.array(dtype=wp.vec4), out: wp.array(dtype=wp.vec4)):
+        out[wp.tid()] = premultiplied(given[wp.tid()])
+
+    given = np.random.default_rng(0).uniform(-0.5, 1.5, (300, 4))
+    out = launcher.zeros(300, wp.vec4)
+    launcher.launch(kernel, 300, [launcher.array(given, wp.vec4), out])
+    assert 0.0 <= out.numpy()[:, 3].min() <= out.numpy()[:, 3].max() <= 1.0
+    yield out.numpy()
+
+
 RUNS = {
+    ("c",): possible,
     ("picture", "j"): blanked,
     ("image", "j", "out"): copied,
     ("bounds", "first", "top", "bottom"): reached,
     ("planes", "grid", "previous", "first", "j", "count", "nearness", "places"): projected,
-    ("nearness", "i", "j"): accompanied,
-    ("nearness", "place"): seen,
+    ("nearness", "places", "earlier", "i", "j"): placed,
     ("nearness", "j"): near,
     ("image", "x", "y"): read,
     ("fresh", "i", "j", "history"): clamped,

@@ -246,5 +246,20 @@ def premultiplied(c: wp.vec4) -> wp.vec4:
     return wp.max(c, wp.vec4(0.0, 0.0, 0.0, 0.0)) / wp.max(c[3], 1.0)
 
 
+@form()
+def premultiplying() -> Twins:
+    """`premultiplied`."""
+    native = """
+    typedef float vec __attribute__((ext_vector_type(4), aligned(4)));
+    wp::vec_t<4, float> r;
+    vec value = *(const vec*)c.c;
+    value = value > 0.0f ? value : 0.0f;
+    if (c.c[3] <= 0.0f) value = 0.0f;
+    *(vec*)r.c = value/(c.c[3] > 1.0f ? c.c[3] : 1.0f);
+    return r;
+"""
+    return Twins(premultiplied, native)
+
+
 READS: dict[str, Form] = {"bicubic": bicubic(), "bilinear": bilinear()}
 CLAMPS: dict[str, Form] = {"box": box(), "variance": variance(), "none": none()}

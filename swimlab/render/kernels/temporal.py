@@ -7,7 +7,7 @@ import warp as wp
 from metrics.kernels.forms import Form, Twins, form
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.geometry import Previous, place_before
-from swimlab.render.kernels.history import premultiplied
+from swimlab.render.kernels.history import premultiplying
 from swimlab.render.kernels.raster import inverse_depth, sample_position, see_row
 from swimlab.render.kernels.structs import Edges, Grid, Planes
 
@@ -154,45 +154,62 @@ def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
     return False
 
 
-BESIDE = """
+PLACE = """
+    typedef float vec __attribute__((ext_vector_type(4), aligned(4)));
     const int right = nearness.shape[1] - 1, low = nearness.shape[0] - 1;
     auto line = [&](int y) { return (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]); };
-    int x = -1, y = -1;
-    float nearest = 0.0f;
-    if (line(j)[i] > 0.0f) { x = i; y = j; }
-    else
+    auto before = [&](int y) { return (const float*)((const char*)earlier.data + (long)y*earlier.strides[0]); };
+    const wp::vec_t<3, float> nowhere(0.0f, 0.0f, 0.0f);
+    int x = i, y = j;
+    float nearest = line(j)[i];
+    if (!(nearest > 0.0f)) {
+        nearest = 0.0f;
         for (int v = j > 0 ? j - 1 : 0; v <= (j < low ? j + 1 : low); ++v)
             for (int u = i > 0 ? i - 1 : 0; u <= (i < right ? i + 1 : right); ++u)
                 if (line(v)[u] > nearest) { nearest = line(v)[u]; x = u; y = v; }
-    return wp::vec_t<2, int>(x, y);
-"""
-
-
-@form()
-def finding_beside() -> Twins:
-    """`surface_beside`."""
-    return Twins(surface_beside, BESIDE)
-
-
-SEEN = """
-    const int right = nearness.shape[1] - 1, low = nearness.shape[0] - 1;
-    const float fi = __builtin_floorf(place.c[0]), fj = __builtin_floorf(place.c[1]), was = place.c[2];
-    const int i = (int)fi, j = (int)fj;
-    if (was <= 0.0f || i < 0 || j < 0 || i > right || j > low) return false;
-    const float apart = 0.1f*was + 1.5f*place.c[3];
-    for (int v = j > 0 ? j - 1 : 0; v <= (j < low ? j + 1 : low); ++v) {
-        const float* line = (const float*)((const char*)nearness.data + (long)v*nearness.strides[0]);
-        for (int u = i > 0 ? i - 1 : 0; u <= (i < right ? i + 1 : right); ++u)
-            if (line[u] > 0.0f && __builtin_fabsf(line[u] - was) <= apart) return true;
+        if (nearest == 0.0f) return nowhere;
     }
-    return false;
+    const vec place = ((const vec*)((const char*)places.data + (long)y*places.strides[0]))[x];
+    const float at = place.x + (float)(i - x), below = place.y + (float)(j - y);
+    if (!(at >= 0.0f && below >= 0.0f && at <= (float)(right + 1) && below <= (float)(low + 1))) return nowhere;
+    const int m = (int)__builtin_floorf(place.x), n = (int)__builtin_floorf(place.y);
+    if (place.z <= 0.0f || m < 0 || n < 0 || m > right || n > low) return nowhere;
+    const float apart = 0.1f*place.z + 1.5f*place.w;
+    for (int v = n > 0 ? n - 1 : 0; v <= (n < low ? n + 1 : low); ++v)
+        for (int u = m > 0 ? m - 1 : 0; u <= (m < right ? m + 1 : right); ++u) {
+            const float was = before(v)[u];
+            if (was > 0.0f && __builtin_fabsf(was - place.z) <= apart) return wp::vec_t<3, float>(at, below, 1.0f);
+        }
+    return nowhere;
 """
 
 
 @form()
-def seeing() -> Twins:
-    """`was_seen`."""
-    return Twins(was_seen, SEEN)
+def placing() -> Twins:
+    """The function that finds where the previous frame saw what pixel (i, j) shows: x, y (px) and 1; 0 where it
+    did not. `earlier` is that frame's nearness."""
+
+    @wp.func(module="unique")
+    def place_before_of(
+        nearness: wp.array2d(dtype=wp.float32),
+        places: wp.array2d(dtype=wp.vec4),
+        earlier: wp.array2d(dtype=wp.float32),
+        i: wp.int32,
+        j: wp.int32,
+    ) -> wp.vec3:
+        owner = surface_beside(nearness, i, j)
+        if owner[0] >= 0:
+            place = places[owner[1], owner[0]]
+            x = place[0] + wp.float32(i - owner[0])
+            y = place[1] + wp.float32(j - owner[1])
+            width = wp.float32(nearness.shape[1])
+            height = wp.float32(nearness.shape[0])
+            on_screen = x >= 0.0 and y >= 0.0 and x <= width and y <= height
+            if on_screen and was_seen(earlier, place):
+                return wp.vec3(x, y, 1.0)
+        return wp.vec3(0.0, 0.0, 0.0)
+
+    return Twins(place_before_of, PLACE)
 
 
 ANY_NEAR = """
@@ -250,7 +267,7 @@ def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Ker
     """
 
     read, clamp = history_read.on(device), history_clamp.on(device)
-    beside, seen, near, copy = (each().on(device) for each in (finding_beside, seeing, any_near, copying))
+    place, near, copy, possible = (each().on(device) for each in (placing, any_near, copying, premultiplying))
 
     @wp.kernel(module="unique", enable_backward=False)
     def resolve(
@@ -268,17 +285,11 @@ def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Ker
             copy(fresh, j, picture)
             return
         for i in range(fresh.shape[1]):
-            picture[j, i] = fresh[j, i]
-            owner = beside(nearness, i, j)
-            if owner[0] >= 0:
-                place = places[owner[1], owner[0]]
-                x = place[0] + wp.float32(i - owner[0])
-                y = place[1] + wp.float32(j - owner[1])
-                on_screen = (
-                    x >= 0.0 and y >= 0.0 and x <= wp.float32(fresh.shape[1]) and y <= wp.float32(fresh.shape[0])
-                )
-                if on_screen and seen(nearness_before, place):
-                    kept = premultiplied(clamp(fresh, i, j, read(history, x, y)))
-                    picture[j, i] = kept + (fresh[j, i] - kept) * blend
+            colour = fresh[j, i]
+            at = place(nearness, places, nearness_before, i, j)
+            if at[2] > 0.0:
+                kept = possible(clamp(fresh, i, j, read(history, at[0], at[1])))
+                colour = kept + (colour - kept) * blend
+            picture[j, i] = colour
 
     return resolve
