@@ -9,7 +9,7 @@ import warp as wp
 from sequences import load
 from swimlab.render.geometry import seen_from
 from swimlab.render.kernels.geometry import Previous
-from swimlab.render.kernels.structs import Grid, Planes
+from swimlab.render.kernels.structs import LANES, Chain, Grid, Planes
 
 SIZE = (9, 40)
 
@@ -166,7 +166,28 @@ def possible(launcher, shoot, premultiplied, width):
     yield out.numpy()
 
 
+def resolved(launcher, shoot, resolve_lanes, width):
+    """Moments of all sizes in a part of a packet, about a slope."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(rows: wp.array2d(dtype=wp.float32), chain: Chain):
+        resolve_lanes(rows[0], chain, LANES - 5)
+
+    random = np.random.default_rng(0).uniform(-0.7, 0.7, (width + 4, LANES))
+    random[5] = np.abs(random[5])
+    random[7] = 10.0 ** random[7]
+    lanes = launcher.array(random.reshape(1, -1), wp.float32)
+    chain = Chain()
+    chain.centre = wp.vec2(0.1, -0.2)
+    launcher.launch(kernel, 1, [lanes, chain])
+    changed = lanes.numpy().reshape(-1, LANES) != random.astype(np.float32)
+    assert changed[7, : LANES - 5].all()
+    assert not changed[:, LANES - 5 :].any()
+    yield lanes.numpy()
+
+
 RUNS = {
+    ("lanes", "chain", "count"): resolved,
     ("c",): possible,
     ("picture", "j"): blanked,
     ("image", "j", "out"): copied,

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.packet import resolved
+from swimlab.render.kernels.packet import each_resolved, resolved
 from swimlab.render.kernels.samples import draw_samples, shade_samples
 from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
 from swimlab.render.settings import Settings
@@ -137,7 +137,8 @@ def core_of(shot: Shot, texture_filter: TextureFilter, inputs: Inputs) -> Core:
     width = chain.floats
     fill = texture_filter.fill(width, shot.launcher.device)
     if inputs.resolve is not None:
-        fill = resolved(fill, inputs.resolve, width)
+        plain = inputs.resolve_lanes is None or shot.launcher.device != "cpu"
+        fill = resolved(fill, each_resolved(inputs.resolve, width) if plain else inputs.resolve_lanes, width)
     return Core(fill, shot.shade_packet(inputs, width), width, [chain.texels, chain.shape, shot.sun])
 
 
