@@ -19,7 +19,6 @@ from typing import Any, NamedTuple, Self, TypeVar
 import numpy as np
 import warp as wp
 
-from metrics.kernels.memory import Memory
 from metrics.machine import cores, user
 
 Item = TypeVar("Item")
@@ -50,7 +49,6 @@ class Launcher:
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
         self._on: Any = wp.get_device(device)
-        self._memory = Memory()
         self.threads = threads or cores()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
@@ -157,8 +155,6 @@ class Launcher:
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
-        if self.device == "cpu":
-            return self._memory.array(shape, dtype)
         return wp.empty(shape, dtype=dtype, device=self._on)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
