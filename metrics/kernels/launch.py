@@ -8,12 +8,13 @@ import functools
 import os
 import tempfile
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Lock
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import warp as wp
@@ -47,6 +48,7 @@ class Launcher:
             known = ", ".join(str(known) for known in wp.get_devices())
             raise ValueError(f"--device {device}: not on this machine; it has {known}")
         self.device = device
+        self._on: Any = wp.get_device(device)
         self.threads = threads or cores()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
@@ -54,7 +56,7 @@ class Launcher:
         """Let the threads go."""
         self._pool.shutdown()
 
-    def __enter__(self) -> "Launcher":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -62,13 +64,24 @@ class Launcher:
 
     def each(self, items: Iterable[Item], body: Callable[[Item], None]) -> None:
         """Call `body` on every item, several at a time, and wait; the first error is raised."""
-        tasks = [self._pool.submit(body, item) for item in items]
+        waiting = deque(items)
+
+        def work() -> None:
+            while waiting:
+                try:
+                    item = waiting.popleft()
+                except IndexError:  # another thread was quicker
+                    return
+                body(item)
+
+        tasks = [self._pool.submit(work) for _ in range(min(self.threads, len(waiting)) - 1)]
         try:
+            work()
             for task in tasks:
                 task.result()
         except BaseException:
-            for task in tasks:
-                task.cancel()
+            waiting.clear()
+            wait(tasks)
             raise
 
     def strips(self, rows: int, n: int = 1, *, height: int = STRIP_ROWS) -> Sequence[Strip]:
@@ -81,13 +94,21 @@ class Launcher:
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:
         """Start one kernel in the calling thread."""
+        self.start(self.record(kernel, dim, inputs))
+
+    def record(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> Any:
+        """A launch that is ready to be started, several times if need be, by one thread at a time."""
         if (self.device, kernel) in _LOADED:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
-            return
+            return wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
         # Building and loading a kernel is not safe in several threads at once.
         with _LOADING:
-            wp.launch(kernel, dim=dim, inputs=list(inputs), device=self.device)
+            command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
             _LOADED.add((self.device, kernel))
+        return command
+
+    def start(self, command: Any) -> None:
+        """Start a recorded launch in the calling thread."""
+        command.launch()
 
     def over(
         self,
@@ -98,33 +119,60 @@ class Launcher:
         *,
         each: int = 1,
         strip: int = STRIP_ROWS,
+        n: int = 1,
+        own: Callable[[int], Sequence[Any]] = lambda _: (),
     ) -> None:
-        """Run a kernel over rows of a picture in strips; its first input is a strip's first row.
+        """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
 
-        Its dim is (rows, *width), or a thread takes `each` rows. strip: rows of a strip.
+        Its dim is (rows, *width), or a kernel's thread takes `each` rows. `own(rows)` makes the last inputs, for a
+        strip alone: scratch of as many rows as are worked on at once. A launch is recorded for each of the launcher's
+        threads, and started anew for each strip. strip: rows of samples that a strip has at least.
         """
+        idle: list[Any] = []
 
         def run(strip: Strip) -> None:
-            self.launch(kernel, (-(-strip.rows // each), *width), [strip.first, *inputs])
+            dim = (-(-strip.rows // each), *width)
+            try:
+                command = idle.pop()
+            except IndexError:
+                at_once = 1 if self.device == "cpu" else rows
+                command = self.record(kernel, dim, [strip.first, *inputs, *own(at_once)])
+            else:
+                command.set_dim(dim)
+                command.set_param_at_index(0, strip.first)
+            self.start(command)
+            idle.append(command)
 
-        self.each(self.strips(rows, height=strip), run)
+        self.each(self._shares(rows, n, strip), run)
+
+    def _shares(self, rows: int, n: int, least: int) -> list[Strip]:
+        """Strips of whole multiples of `least` rows of samples, the first the largest: a half of what one thread
+        would get of the rest, so that there are few, and the last are small enough to even out the threads' ends."""
+        unit = max(1, least // n) if self.device == "cpu" else rows
+        shares, first = [], 0
+        while first < rows:
+            units = -(-(rows - first) // unit)
+            height = min(unit * max(1, units // (2 * self.threads)), rows - first)
+            shares.append(Strip(first, height))
+            first += height
+        return shares
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
-        return wp.empty(shape, dtype=dtype, device=self.device)
+        return wp.empty(shape, dtype=dtype, device=self._on)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An array on the device filled with 0."""
-        return wp.zeros(shape, dtype=dtype, device=self.device)
+        return wp.zeros(shape, dtype=dtype, device=self._on)
 
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
-        return wp.array(values, dtype=dtype, device=self.device)
+        return wp.array(values, dtype=dtype, device=self._on)
 
     def view(self, values: Any, dtype: Any) -> Any:
         """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""
         held = np.ascontiguousarray(values)
-        return wp.array(held, dtype=dtype, device=self.device, copy=self.device != "cpu")
+        return wp.array(held, dtype=dtype, device=self._on, copy=self.device != "cpu")
 
 
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:

@@ -67,6 +67,48 @@ def bench_brdfs(*, output: Folder = Path("reports/brdfs.md"), running: Running =
     return running.write("brdfs", STEPS, output, partial(write_brdf_report, output))
 
 
+@bench_command.command(name="costs")
+def bench_costs(
+    sequence: str = "road-shift",
+    *,
+    size: str = "640x360",
+    rounds: int = 15,
+    device: str = "cpu",
+    running: Running = _STANDARD,
+) -> int:
+    """Time every technique and setting in turns: in kernels, beside them, and the least that the work could cost.
+
+    Then rendering and measuring on one thread and on two, for the share of them that is serial.
+
+    Parameters
+    ----------
+    sequence:
+        Sequence to render.
+    size:
+        Size of the pictures in pixels, WIDTHxHEIGHT; the serial share is of 1280x720 and, measuring, 1920x1080.
+    rounds:
+        Times that every setting is timed.
+    device:
+        Device to render techniques on, as Warp names it.
+    """
+    from swimlab.cli.costs_table import print_costs
+    from swimlab.cli.terminal import progress
+    from swimlab.render.plan import load_sequence
+    from swimlab.runs.record import RunError
+    from swimlab.studies.costs.study import STEPS, cost_study
+
+    if rounds < 1:
+        raise RunError(f"--rounds {rounds}: must be at least 1")
+    sized = load_sequence(sequence).with_changes(size=_clip(1, size, range(1, 2)))
+    with progress("costs", STEPS, quiet=running.quiet) as advance:
+        costs = cost_study(sized, rounds=rounds, threads=running.threads, device=device, advance=advance)
+    if running.json_output:
+        print(json.dumps(costs.as_json(shlex.join(["swimlab", *sys.argv[1:]])), indent=1, allow_nan=False))
+    else:
+        print_costs(costs)
+    return 0
+
+
 @bench_command.command(name="measures")
 def bench_measures(*, size: str = "1920x1080", frames: int = 16, running: Running = _STANDARD) -> int:
     """Time the measures, in frames a second: frames in memory, and read from files that it writes.

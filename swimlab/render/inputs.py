@@ -82,6 +82,7 @@ class Inputs:
         reflectance model, for models whose slopes are Gaussian.
     otherwise: the inputs for other models and for maps with twist.
     native: (lanes, sun), the native form of that lobe over a packet.
+    resolve_lanes: (lanes, chain, count), the native form of `resolve` over a packet.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Inputs:
     reflect: wp.Function | None = None
     native: wp.Function | None = None
     otherwise: "Inputs | None" = None
+    resolve_lanes: wp.Function | None = None
 
 
 BOX = Inputs("box")

@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -45,8 +46,10 @@ class Mesh:
     @cached_property
     def facing(self) -> NDArray[np.bool_]:
         """[M], whether the triangle turns its upper side to the eye."""
-        a, b, c = self.positions[self.triangles].swapaxes(0, 1)
-        return np.asarray(np.sum(np.cross(b - a, c - a) * a, axis=1) < 0.0)
+        a, b, c = self.positions[self.triangles].transpose(1, 2, 0)
+        p, q = b - a, c - a
+        volume = (p[1] * q[2] - p[2] * q[1]) * a[0] + (p[2] * q[0] - p[0] * q[2]) * a[1]
+        return np.asarray(volume + (p[0] * q[1] - p[1] * q[0]) * a[2] < 0.0)
 
 
 class Ribbon(NamedTuple):
@@ -75,24 +78,21 @@ def scene_mesh(scene: Scene, camera: Camera) -> Mesh:
         ribbons += [Ribbon(x, posts.rail, WIRE_U, posts.height, 1) for x in posts.rows]
     start = camera.distance - road.segment
     end = camera.distance + road.length
-    segments = range(int(np.floor(start / road.segment)), int(np.ceil(end / road.segment)))
+    segments = range(floor(start / road.segment), ceil(end / road.segment))
+    rows = _rows(road, along, segments, start, end)
     parts: list[Mesh] = []
     count = 0
     for index, ribbon in enumerate(ribbons):
-        for segment in segments:
-            origin = segment * road.segment
-            low, high = max(0.0, (start - origin) / road.segment), min(1.0, (end - origin) / road.segment)
-            rows = np.arange(along + 1) / along
-            v = np.concatenate([[low], rows[(rows > low) & (rows < high)], [high]])
-            part = _patch(road, camera, ribbon, origin, v, count, segment + index * len(segments))
-            count += len(part.positions)
-            parts.append(part)
+        parts.append(_band(road, camera, ribbon, rows, count, index * len(segments)))
+        count += len(parts[-1].positions)
     if posts is not None:
         places = posts.spacing * np.arange(np.ceil(start / posts.spacing), np.floor(end / posts.spacing) + 1)
-        for y, x in itertools.product(places.tolist(), posts.rows):
-            chart = segments.stop + (len(ribbons) - 1) * len(segments) + len(parts)
+        first = segments.stop + (len(ribbons) - 1) * len(segments)
+        for chart, (y, x) in enumerate(itertools.product(places.tolist(), posts.rows), first):
             parts.append(_board(road, camera, posts, (x, y), count, chart))
             count += len(parts[-1].positions)
+    if len(parts) == 1:
+        return parts[0]
     return Mesh(*(np.concatenate(columns) for columns in zip(*(vars(part).values() for part in parts), strict=True)))
 
 
@@ -125,26 +125,49 @@ def tessellation(road: Road) -> tuple[int, int]:
     return 1, int(np.ceil(road.segment / road.wavelength * ROWS_PER_WAVE))
 
 
-def _patch(road: Road, camera: Camera, ribbon: Ribbon, origin: float, v: Doubles, count: int, chart: int) -> Mesh:
-    """One segment of a ribbon at rows `v`; its vertices are numbered from `count` on."""
-    grid_s, grid_v = np.meshgrid(np.arange(ribbon.quads + 1) / ribbon.quads, v)
-    x = ribbon.middle + (grid_s - 0.5) * ribbon.width - camera.lateral
-    ahead = (origin - camera.distance) + grid_v * road.segment
-    y = origin + v * road.segment
-    eye_z = float(camera.eye(road)[2])
+class Rows(NamedTuple):
+    """Rows of vertices across a ribbon, nearest first: the segment that each belongs to, and v there, 0..1."""
+
+    segment: NDArray[np.int64]
+    v: Doubles
+
+
+def _rows(road: Road, along: int, segments: range, start: float, end: float) -> Rows:
+    """`along` quads a segment, cut at `start` and `end` (m along the road)."""
+    number = np.arange(segments.start, segments.stop)[:, None]
+    origin = number * road.segment
+    low = np.maximum(0.0, (start - origin) / road.segment)
+    high = np.minimum(1.0, (end - origin) / road.segment)
+    inner = np.broadcast_to(np.arange(along + 1) / along, (len(segments), along + 1))
+    kept = np.ones((len(segments), along + 3), bool)
+    kept[:, 1:-1] = (inner > low) & (inner < high)
+    v = np.concatenate([low, inner, high], axis=1)
+    return Rows(np.broadcast_to(number, v.shape)[kept], v[kept])
+
+
+def _band(road: Road, camera: Camera, ribbon: Ribbon, rows: Rows, count: int, chart: int) -> Mesh:
+    """A ribbon along its rows; vertices are numbered from `count` on, a segment's chart is its number and `chart`."""
     columns = ribbon.quads + 1
-    height = np.repeat(road.height_at(y) - eye_z + ribbon.lift, columns)
+    across = np.arange(columns) / ribbon.quads
+    origin = rows.segment * road.segment
+    y = origin + rows.v * road.segment
+    positions = np.empty((len(y), columns, 3))
+    positions[..., 0] = ribbon.middle + (across - 0.5) * ribbon.width - camera.lateral
+    positions[..., 1] = ((origin - camera.distance) + rows.v * road.segment)[:, None]
+    positions[..., 2] = (road.height_at(y) - float(camera.eye(road)[2]) + ribbon.lift)[:, None]
     left, right = ribbon.u
-    row, column = np.meshgrid(np.arange(len(v) - 1), np.arange(ribbon.quads), indexing="ij")
-    corner = (count + row * columns + column).ravel()
-    near = np.stack([corner, corner + 1, corner + 1 + columns], axis=1)
-    far = np.stack([corner, corner + 1 + columns, corner + columns], axis=1)
-    triangles = np.stack([near, far], axis=1).reshape(-1, 3).astype(np.int32)
+    uv = np.empty((len(y), columns, 2))
+    uv[..., 0] = left + across * (right - left)
+    uv[..., 1] = rows.v[:, None]
+    joined = np.flatnonzero(rows.segment[1:] == rows.segment[:-1])
+    corner = (joined[:, None] * columns + np.arange(ribbon.quads)).ravel() + count
+    square = np.array([0, 1, columns + 1, 0, columns + 1, columns])
+    triangles = (corner[:, None] + square).reshape(-1, 3).astype(np.int32)
     return Mesh(
-        positions=np.stack([x.ravel(), ahead.ravel(), height], axis=1),
-        uv=np.stack([(left + grid_s * (right - left)).ravel(), grid_v.ravel()], axis=1),
+        positions=positions.reshape(-1, 3),
+        uv=uv.reshape(-1, 2),
         slope=np.repeat(road.slope_at(y), columns),
         triangles=triangles,
-        segments=np.full(len(triangles), chart),
+        segments=np.repeat(rows.segment[joined] + chart, 2 * ribbon.quads),
         loose=np.full(len(triangles), ribbon.lift > 0.0),
     )

@@ -36,15 +36,16 @@ class Renderer:
 
     def __init__(self, plan: Plan, launcher: Launcher, *, digest: str) -> None:
         """Raises MapError for unfit maps."""
-        self._plan, self._launcher = plan, launcher
-        self._model = model_of(plan.sequence)
-        self._material = load_material(plan.sequence, launcher, twisted=self._model.anisotropic)
+        self._plan = plan
+        model = model_of(plan.sequence)
+        material = load_material(plan.sequence, launcher, twisted=model.anisotropic)
+        self._shot = Shot(plan.sequence, 0, material, model, plan.samples, launcher)
         self._renders = {name: _begin(plan.sequence, name) for name in plan.techniques}
         self._metadata = {"swimlab:hash": digest, "swimlab:version": SWIMLAB}
 
     def shot(self, frame: int) -> Shot:
         """A frame, for all of the techniques."""
-        return Shot(self._plan.sequence, frame, self._material, self._model, self._plan.samples, self._launcher)
+        return self._shot.at(frame)
 
     def write_geometry(self, shot: Shot, folder: Path) -> None:
         """Write FOLDER/geometry/FRAME.exr."""

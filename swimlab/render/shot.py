@@ -1,10 +1,10 @@
 """One frame to render: everything that all techniques share, set up once."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
-import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
@@ -17,6 +17,22 @@ from swimlab.render.kernels.structs import Grid, Sun
 from swimlab.render.material import Material
 from swimlab.render.mesh import Mesh, scene_mesh
 from swimlab.render.triangles import Triangles, on_screen, screen_projection
+
+Made = TypeVar("Made")
+
+
+class Kept:
+    """What was made last under some names, and what of, for frames that need the same."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, tuple[Any, Any]] = {}
+
+    def get(self, name: str, of: Any, make: Callable[[], Made]) -> Made:
+        """What was made of something equal, or what `make` makes now."""
+        if name not in self._last or self._last[name][0] != of:
+            self._last[name] = of, make()
+        made: Made = self._last[name][1]
+        return made
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,11 @@ class Shot:
     samples: int
     launcher: Launcher
     thinnest: float = 0.0
+    _kept: Kept = field(default_factory=Kept, repr=False, compare=False)
+
+    def at(self, frame: int) -> "Shot":
+        """Another frame; the mesh and its set-up are kept where the eye stands still."""
+        return replace(self, frame=frame)
 
     @cached_property
     def view(self) -> View:
@@ -44,14 +65,21 @@ class Shot:
     @cached_property
     def mesh(self) -> Mesh:
         """Road and wires about this frame's eye."""
-        return scene_mesh(self.sequence.scene, self.view.camera)
+        scene, camera = self.sequence.scene, self.view.camera
+        return self._kept.get("mesh", (scene, camera), lambda: scene_mesh(scene, camera))
 
     @cached_property
     def triangles(self) -> Triangles:
         """The mesh on the screen."""
         width, height = self.sequence.size
-        projection = screen_projection(self.view.camera, height, width)
-        return on_screen(self.launcher, self.mesh, projection, thinnest=self.thinnest * max(self.view.pitch))
+        thinnest = self.thinnest * max(self.view.pitch)
+
+        def make() -> Triangles:
+            projection = screen_projection(self.view.camera, height, width)
+            return on_screen(self.launcher, self.mesh, projection, thinnest=thinnest)
+
+        of = self.sequence.scene, self.view.camera, width, height, thinnest, self.launcher
+        return self._kept.get("triangles", of, make)
 
     def inputs(self, preferred: Inputs) -> Inputs:
         """The preferred inputs, or their `otherwise` where their own lobe does not fit the scene's model."""
@@ -85,5 +113,10 @@ class Shot:
         grid.origin = wp.vec2d(*view.origin)
         grid.pitch = wp.vec2d(view.pitch[0] / n, view.pitch[1] / n)
         grid.width, grid.height = view.width * n, view.height * n
-        grid.jittered, grid.seed = int(jittered), int(np.uint32(self.sequence.seed).view(np.int32))
+        grid.jittered, grid.seed = int(jittered), _signed(self.sequence.seed)
         return grid
+
+
+def _signed(seed: int) -> int:
+    """The 32 bits of a seed as the kernels' signed number."""
+    return seed - (1 << 32) if seed >= 1 << 31 else seed

@@ -12,12 +12,12 @@ from pydantic import Field
 
 from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.packet import resolved
-from swimlab.render.kernels.samples import shade_samples
+from swimlab.render.kernels.packet import each_resolved, resolved
+from swimlab.render.kernels.samples import draw_samples, shade_samples
 from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.triangles import Triangles, visibility
+from swimlab.render.triangles import Triangles
 
 Image = NDArray[np.float32]
 
@@ -74,17 +74,33 @@ def render_samples(
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher = shot.launcher
     size = (shot.view.height, shot.view.width)
-    picture = launcher.zeros(size, wp.vec4)
-    error = launcher.zeros(size if n > 1 else (0, 0), wp.vec4)
-    shaded = launcher.empty(size[0], wp.int32)
-    grid, triangles = shot.grid(n, jittered=jittered), shot.triangles
-    shade = shading(shot, texture_filter, n, inputs)
-
-    def fill(strip: Strip) -> None:
-        shade(grid, triangles, visibility(launcher, triangles, grid, strip, n), strip, picture, error, shaded)
-
-    launcher.each(launcher.strips(size[0], n), fill)
+    error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
+    picture, shaded = draw(shot, shot.grid(n, jittered=jittered), texture_filter, n, inputs, error)
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
+
+
+def draw(
+    shot: Shot, grid: Any, texture_filter: TextureFilter, n: int = 1, inputs: Inputs = BOX, error: Any = None
+) -> tuple[Any, Any]:
+    """Shade n x n samples a pixel of the screen: the picture [H, W] and each row's number of samples [H] on the device.
+
+    error: [H, W], to be filled, if n > 1.
+    """
+    launcher, triangles = shot.launcher, shot.triangles
+    picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
+    shaded = launcher.empty(shot.view.height, wp.int32)
+    core = core_of(shot, texture_filter, inputs)
+    given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments]
+    given += [picture, launcher.empty((0, 0), wp.vec4) if error is None else error, shaded]
+    launcher.over(
+        shot.view.height,
+        draw_samples(core.fill, core.shade, core.width),
+        (),
+        given,
+        n=n,
+        own=lambda rows: [launcher.empty((rows * n, grid.width), wp.int32)],
+    )
+    return picture, shaded
 
 
 class MomentSettings(Settings):
@@ -102,6 +118,30 @@ def moment_technique(inputs: Inputs, *, summary: str, source: str) -> Technique:
     return Technique(name=inputs.name, summary=summary, source=source, render=render, settings=MomentSettings)
 
 
+class Core(NamedTuple):
+    """What kernels of shading are made of: fill and shade a packet of texels of `width` floats; and its arguments.
+
+    arguments: texels, the shape of their chain, the sun.
+    """
+
+    fill: wp.Function
+    shade: wp.Function
+    width: int
+    arguments: list[Any]
+
+
+def core_of(shot: Shot, texture_filter: TextureFilter, inputs: Inputs) -> Core:
+    """The shading of a shot's material from some inputs, or from those that stand in for them."""
+    inputs = shot.inputs(inputs)
+    chain = shot.material.chain(inputs)
+    width = chain.floats
+    fill = texture_filter.fill(width, shot.launcher.device)
+    if inputs.resolve is not None:
+        plain = inputs.resolve_lanes is None or shot.launcher.device != "cpu"
+        fill = resolved(fill, each_resolved(inputs.resolve, width) if plain else inputs.resolve_lanes, width)
+    return Core(fill, shot.shade_packet(inputs, width), width, [chain.texels, chain.shape, shot.sun])
+
+
 def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
     """The function that shades a strip of n x n samples a pixel, of the screen or of a target in texture space.
 
@@ -109,14 +149,8 @@ def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = 
     shaded ([H], samples). It adds to rows of picture and error and fills rows of shaded, from `row` on (default: the
     strip's first). Kernels are made here, once, and not in the threads that call the function.
     """
-    launcher, sun = shot.launcher, shot.sun
-    inputs = shot.inputs(inputs)
-    chain = shot.material.chain(inputs)
-    width = chain.floats
-    fill = texture_filter.fill(width, launcher.device)
-    if inputs.resolve is not None:
-        fill = resolved(fill, inputs.resolve, width)
-    kernel = shade_samples(fill, shot.shade_packet(inputs, width), width)
+    launcher, core = shot.launcher, core_of(shot, texture_filter, inputs)
+    kernel = shade_samples(core.fill, core.shade, core.width)
 
     def shade(
         grid: Any,
@@ -130,7 +164,7 @@ def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = 
         row: int | None = None,
     ) -> None:
         arguments = [strip.first, strip.first if row is None else row, n, grid, visible, triangles.planes]
-        arguments += [chain.texels, chain.shape, sun, picture, error, shaded]
+        arguments += [*core.arguments, picture, error, shaded]
         launcher.launch(kernel, strip.rows, arguments)
 
     return shade

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from metrics.kernels.launch import Launcher, Strip
 from sequences import Camera
 from swimlab.render.kernels.raster import NEAR, rasterise
+from swimlab.render.kernels.set_up import reach_samples, set_up_triangles
 from swimlab.render.kernels.structs import Edges, Planes
 from swimlab.render.mesh import Doubles, Mesh
-
-NOWHERE = (np.inf, -np.inf)
-"""The range of y of a triangle that is not drawn."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +54,15 @@ def on_screen(
     """
     points = mesh.positions @ projection.T
     facing = mesh.facing
-    slivers = facing & mesh.loose
-    slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
+    slivers = np.zeros_like(facing)
+    if thinnest > 0.0:
+        slivers = facing & mesh.loose
+        slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
     mesh = mesh if carried is None else replace(mesh, positions=carried)
     triangles = set_up(launcher, points, mesh, np.arange(len(mesh.triangles)), drawn=facing & ~slivers)
-    return replace(triangles, back_faces=int(np.sum(~facing)), slivers=int(np.sum(slivers)))
+    return replace(
+        triangles, back_faces=len(facing) - int(np.count_nonzero(facing)), slivers=int(np.count_nonzero(slivers))
+    )
 
 
 @dataclass(frozen=True)
@@ -125,29 +127,31 @@ def set_up(
     *,
     drawn: NDArray[np.bool_] | None = None,
 ) -> Triangles:
-    """Edge functions and plane equations (Olano & Greer 1997) of the chosen triangles.
+    """Edge functions and plane equations of the chosen triangles, as `set_up_triangles` has them.
 
-    points: [N, 3], homogeneous image coordinates of the mesh's vertices. With e0 = v1 x v2 and so on and d = v0 . e0,
-    1/w = sum e_k / d and a/w = sum a_k e_k / d. A triangle seen from behind has all signs turned; one without area
-    covers nothing, nor does one that is not to be `drawn` ([len(chosen)]; default: all are): its place stays empty.
+    points: [N, 3], homogeneous image coordinates of the mesh's vertices. A triangle without area covers nothing, nor
+    does one that is not to be `drawn` ([len(chosen)]; default: all are): its place stays empty.
     """
-    corners = mesh.triangles[chosen]
-    v = points[corners]
-    edges = np.stack([_cross(v[:, 1], v[:, 2]), _cross(v[:, 2], v[:, 0]), _cross(v[:, 0], v[:, 1])], axis=1)
-    determinant = np.sum(v[:, 0] * edges[:, 0], axis=1)
-    edges *= np.sign(determinant)[:, None, None]
-    attributes = np.concatenate([mesh.uv, mesh.positions, mesh.slope[:, None]], axis=1)[corners]
-    with_one = np.concatenate([np.ones((*corners.shape, 1)), attributes], axis=2)
-    area = np.where(determinant == 0.0, 1.0, np.abs(determinant))
-    planes = np.einsum("mka,mkc->mac", with_one, edges) / area[:, None, None]
-    bounds = _vertical_bounds(v)
-    if drawn is not None:
-        bounds[~drawn] = NOWHERE
-    return Triangles(
-        edges=launcher.array(edges, Edges),
-        planes=launcher.array(planes, Planes),
-        bounds=launcher.array(bounds, wp.vec2d),
-    )
+    count = len(chosen)
+    ready = Triangles(launcher.empty(count, Edges), launcher.empty(count, Planes), launcher.empty(count, wp.vec2d))
+    inputs = [launcher.view(points, wp.vec3d), launcher.view(mesh.uv, wp.vec2d)]
+    inputs += [launcher.view(mesh.positions, wp.vec3d), launcher.view(mesh.slope, wp.float64)]
+    inputs += [launcher.view(mesh.triangles[chosen], wp.vec3i)]
+    inputs += [launcher.view(np.ones(count, bool) if drawn is None else drawn, wp.bool)]
+    launcher.launch(set_up_triangles, count, [*inputs, ready.edges, ready.planes, ready.bounds])
+    return ready
+
+
+def sampled(launcher: Launcher, mesh: Mesh, projection: Doubles, grid: Any) -> Mesh:
+    """The mesh without triangles that lie between the rows of a grid that is not jittered, or beyond them.
+
+    No sample of the grid sees these.
+    """
+    points, reaches = mesh.positions @ projection.T, launcher.empty(len(mesh.triangles), wp.bool)
+    inputs = [launcher.view(points, wp.vec3d), launcher.view(mesh.triangles, wp.vec3i), grid, reaches]
+    launcher.launch(reach_samples, len(mesh.triangles), inputs)
+    kept = np.flatnonzero(reaches.numpy())
+    return replace(mesh, triangles=mesh.triangles[kept], segments=mesh.segments[kept], loose=mesh.loose[kept])
 
 
 def visibility(
@@ -161,28 +165,6 @@ def visibility(
     inputs = [strip.first * n, grid, triangles.edges, triangles.planes, triangles.bounds, visible]
     launcher.launch(rasterise, strip.rows * n, inputs)
     return visible
-
-
-def _cross(a: Doubles, b: Doubles) -> Doubles:
-    """a x b such that _cross(b, a) is exactly its opposite, bit by bit."""
-    return np.stack(
-        [
-            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
-            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
-            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
-        ],
-        axis=1,
-    )
-
-
-def _vertical_bounds(v: Doubles) -> Doubles:
-    """Lowest and highest y of each triangle, px; everything where a vertex is not in front of the near plane."""
-    w = v[:, :, 2]
-    in_front = np.all(w > NEAR, axis=1)
-    y = v[:, :, 1] / np.where(w > NEAR, w, 1.0)
-    low = np.where(in_front, y.min(axis=1), -np.inf)
-    high = np.where(in_front, y.max(axis=1), np.inf)
-    return np.stack([low, high], axis=1)
 
 
 def _altitudes(v: Doubles) -> Doubles:

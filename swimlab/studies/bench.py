@@ -65,7 +65,7 @@ def time_measures(
     rng = np.random.default_rng(0)
     pool = rng.random((height + frames, width + frames, 3), np.float32)
     still = rng.random((height, width, 3), np.float32)
-    grown = _growing(width, height)
+    grown = growing(width, height)
     made = Clips(lambda t: pool[t : t + height, t : t + width], lambda _: still, lambda _: grown, frames)
 
     def transform() -> None:
@@ -131,7 +131,7 @@ class Clips:
         )
 
 
-def _growing(width: int, height: int) -> NDArray[np.float32]:
+def growing(width: int, height: int) -> NDArray[np.float32]:
     """[H, W, 2], a motion by VELOCITY of a picture that grows about its middle."""
     row, column = np.indices((height, width), dtype=np.float32)
     away = np.stack([column - width / 2, row - height / 2], axis=2)

@@ -79,11 +79,12 @@ class Stage:
             raise RunError(f"frames {list(frames)}: a trial needs frames that follow each other")
         self.sequence, self.frames, self.samples = sequence, list(frames), samples
         self._launcher, self._model = launcher, model_of(sequence)
-        self._material = material or load_material(sequence, launcher, twisted=self._model.anisotropic)
+        material = material or load_material(sequence, launcher, twisted=self._model.anisotropic)
+        self._shot = Shot(sequence, self.frames[0], material, self._model, samples, launcher)
 
     def shot(self, frame: int) -> Shot:
         """A frame before any technique has touched it."""
-        return Shot(self.sequence, frame, self._material, self._model, self.samples, self._launcher)
+        return self._shot.at(frame)
 
     def pictures(self, variant: Variant) -> list[Picture]:
         """All frames under a variant, rendered in turn."""

@@ -5,9 +5,10 @@ from typing import Any
 
 import warp as wp
 
-from swimlab.render.kernels.footprint import surface_at
+from swimlab.render.kernels.footprint import isotropic_level, surface_at
 from swimlab.render.kernels.packet import PLACES, put_in, radiance, rows_of
 from swimlab.render.kernels.raster import sample_position
+from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
 
@@ -42,6 +43,36 @@ def surfaces(
         dx[j, i] = surface.dx
         dy[j, i] = surface.dy
         position[j, i] = surface.position
+
+
+@wp.kernel
+def count_reads(
+    most: wp.int32,
+    grid: Grid,
+    visible: wp.array2d(dtype=wp.int32),
+    planes: wp.array(dtype=Planes),
+    chain: Chain,
+    reads: wp.array(dtype=wp.int32),
+):
+    """Texels that a row of samples reads with up to `most` probes a footprint; 0: by trilinear filtering."""
+    j = wp.tid()
+    total = wp.int32(0)
+    for i in range(grid.width):
+        triangle = visible[j, i]
+        if triangle >= 0:
+            surface = surface_at(planes[triangle], grid, sample_position(grid, i, j))
+            count = wp.int32(1)
+            lod = wp.float32(isotropic_level(surface, chain))
+            if most > 0:
+                probes = probes_of(surface, chain, most)
+                count = probes.count
+                lod = probes.lod
+            lod = wp.clamp(lod, 0.0, wp.float32(chain.levels - 1))
+            levels = wp.int32(1)
+            if lod - wp.floor(lod) > LEAST_BLEND:
+                levels = 2
+            total += 4 * levels * count
+    reads[j] = total
 
 
 @functools.cache

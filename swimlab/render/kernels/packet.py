@@ -156,10 +156,22 @@ def each_lane(texture_filter: wp.Function, width: int, shape: Any = Chain) -> wp
 
 
 @functools.cache
-def resolved(fill: wp.Function, resolve: wp.Function, width: int) -> wp.Function:
-    """The filling of a packet, followed by `resolve(texel, chain)` in each lane."""
-    texel_type = TEXELS[width]
+def each_resolved(resolve: wp.Function, width: int) -> wp.Function:
+    """The application of `resolve(texel, chain)` lane by lane: the plain form of every one."""
     take, put = take_from(width).native, put_in(width).native
+
+    @wp.func(module="unique")
+    def resolve_lanes(lanes: wp.array(dtype=wp.float32), chain: Chain, count: wp.int32):
+        for lane in range(count):
+            put(lanes, lane, resolve(take(lanes, lane), chain))
+
+    return resolve_lanes
+
+
+@functools.cache
+def resolved(fill: wp.Function, resolve_lanes: wp.Function, width: int) -> wp.Function:
+    """The filling of a packet, followed by `resolve_lanes(lanes, chain, count)`."""
+    texel_type = TEXELS[width]
 
     @wp.func(module="unique")
     def fill_and_resolve(
@@ -170,8 +182,7 @@ def resolved(fill: wp.Function, resolve: wp.Function, width: int) -> wp.Function
         lanes: wp.array(dtype=wp.float32),
     ):
         fill(texels, chain, places, count, lanes)
-        for lane in range(count):
-            put(lanes, lane, resolve(take(lanes, lane), chain))
+        resolve_lanes(lanes, chain, count)
 
     return fill_and_resolve
 

@@ -152,7 +152,80 @@ def clearing() -> Twins:
     return Twins(clear, CLEAR)
 
 
-claim, clear = claiming().native, clearing().native
+REACHING = """
+    const double* __restrict y = (const double*)bounds.data;
+    const int count = bounds.shape[0];
+    int k = first;
+    while (k < count && !(y[2*k] <= bottom && y[2*k + 1] >= top)) ++k;
+    return k;
+"""
+
+
+@form()
+def next_reaching() -> Twins:
+    """The function that finds the first triangle from `first` on that reaches into a row; their number if none."""
+
+    @wp.func(module="unique")
+    def reaching(bounds: wp.array(dtype=wp.vec2d), first: wp.int32, top: wp.float64, bottom: wp.float64) -> wp.int32:
+        k = wp.int32(first)
+        while k < bounds.shape[0]:
+            if bounds[k][0] <= bottom and bounds[k][1] >= top:
+                return k
+            k += 1
+        return k
+
+    return Twins(reaching, REACHING)
+
+
+claim, clear, reaching = claiming().native, clearing().native, next_reaching().native
+
+SHORT = 16
+"""Cells of a span in which each sample is tested, as finding out which need no test would cost more."""
+
+
+@wp.func
+def see_row(
+    row: wp.int32,
+    j: wp.int32,
+    grid: Grid,
+    edges: wp.array(dtype=Edges),
+    planes: wp.array(dtype=Planes),
+    bounds: wp.array(dtype=wp.vec2d),
+    visible: wp.array2d(dtype=wp.int32),
+):
+    """Fill a row of a visibility buffer with row j of the grid: the index of the nearest triangle, -1 for none.
+
+    `bounds` gives each triangle's y range, px.
+    """
+    top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
+    bottom = top + grid.pitch[1]
+    clear(visible, row, grid.width)
+    k = reaching(bounds, 0, top, bottom)
+    while k < edges.shape[0]:
+        span = row_span(edges[k], grid, j)
+        stop = wp.min(span[1], grid.width)
+        inner = wp.vec2i(0, 0)
+        if stop - span[0] > SHORT:
+            inner = inner_span(edges[k], planes[k], grid, j)
+        whole = claim(visible, row, inner[0], inner[1], k)
+        i = wp.int32(span[0] - 1)
+        while i + 1 < stop:
+            i += 1
+            if whole and i == inner[0] and inner[1] > i:
+                i = inner[1] - 1
+                continue
+            if visible[row, i] == k:
+                continue
+            p = sample_position(grid, i, j)
+            if covers(edges[k], p):
+                nearness = inverse_depth(planes[k], p)
+                if nearness * wp.float64(NEAR) <= wp.float64(1.0):
+                    other = visible[row, i]
+                    if other < 0:
+                        visible[row, i] = k
+                    elif nearness > inverse_depth(planes[other], p):
+                        visible[row, i] = k
+        k = reaching(bounds, k + 1, top, bottom)
 
 
 @wp.kernel
@@ -164,34 +237,6 @@ def rasterise(
     bounds: wp.array(dtype=wp.vec2d),
     visible: wp.array2d(dtype=wp.int32),
 ):
-    """Fill rows of a visibility buffer: the index of the nearest triangle at each sample, -1 for none.
-
-    One thread a row; row 0 of `visible` is row `first_row` of the grid. `bounds` gives each triangle's y range, px.
-    """
+    """Fill a visibility buffer, one thread a row: its row 0 is row `first_row` of the grid."""
     row = wp.tid()
-    j = first_row + row
-    top = grid.origin[1] + wp.float64(j) * grid.pitch[1]
-    clear(visible, row, grid.width)
-    for k in range(edges.shape[0]):
-        if bounds[k][0] <= top + grid.pitch[1] and bounds[k][1] >= top:
-            span = row_span(edges[k], grid, j)
-            inner = inner_span(edges[k], planes[k], grid, j)
-            whole = claim(visible, row, inner[0], inner[1], k)
-            stop = wp.min(span[1], grid.width)
-            i = wp.int32(span[0] - 1)
-            while i + 1 < stop:
-                i += 1
-                if whole and i == inner[0] and inner[1] > i:
-                    i = inner[1] - 1
-                    continue
-                if visible[row, i] == k:
-                    continue
-                p = sample_position(grid, i, j)
-                if covers(edges[k], p):
-                    nearness = inverse_depth(planes[k], p)
-                    if nearness * wp.float64(NEAR) <= wp.float64(1.0):
-                        other = visible[row, i]
-                        if other < 0:
-                            visible[row, i] = k
-                        elif nearness > inverse_depth(planes[other], p):
-                            visible[row, i] = k
+    see_row(row, first_row + row, grid, edges, planes, bounds, visible)

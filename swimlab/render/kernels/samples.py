@@ -6,7 +6,8 @@ import warp as wp
 
 from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels.packet import PLACES, locate_before, rows_of
-from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Grid, Planes, Sun
+from swimlab.render.kernels.raster import see_row
+from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Edges, Grid, Planes, Sun
 
 GATHER = """
     char* at = (char*)picture.data + (long)j*picture.strides[0];
@@ -68,19 +69,89 @@ def gathering() -> Twins:
     return Twins(gather, GATHER)
 
 
+BLANK = """
+    float* at = (float*)((char*)picture.data + (long)j*picture.strides[0]);
+    for (int i = 0; i < 4*picture.shape[1]; ++i) at[i] = 0.0f;
+"""
+
+
+@form()
+def blanking() -> Twins:
+    """The function that clears row j of a picture."""
+
+    @wp.func(module="unique")
+    def blank(picture: wp.array2d(dtype=wp.vec4), j: wp.int32):
+        for i in range(picture.shape[1]):
+            picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+
+    return Twins(blank, BLANK)
+
+
 @functools.cache
-def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that filters, shades and averages all samples of each pixel, one thread a row of pixels.
+def shade_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Function:
+    """The function that filters, shades and averages all samples of a row of pixels; it returns their number.
 
     A packet is a run of cells in a row that see one triangle: they are located on it, filled with filtered texels of
     `width` floats, shaded, and gathered into pixels. Techniques differ in `fill`.
-    A pixel is n x n cells of the grid; row `first_row` of pixels is added to row `picture_row`, which must be 0
-    before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error` receives half the difference
-    between the means over the two colours of the cells' checkerboard. `shaded` receives each row's number of samples.
+    A pixel is n x n cells of the grid; rows `row` n and on of `visible` are row `grid_row` of pixels, which is added to
+    row j of the picture, 0 before. Misses count as 0, so that RGB is premultiplied by alpha. With n > 1, `error`
+    receives half the difference between the means over the two colours of the cells' checkerboard.
     """
     texel_type = TEXELS[width]
     locate, gather = locate_before(width).native, gathering().native
     floats = LANES * rows_of(width)
+
+    @wp.func(module="unique")
+    def shade(
+        row: wp.int32,
+        grid_row: wp.int32,
+        j: wp.int32,
+        n: wp.int32,
+        grid: Grid,
+        visible: wp.array2d(dtype=wp.int32),
+        planes: wp.array(dtype=Planes),
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        sun: Sun,
+        picture: wp.array2d(dtype=wp.vec4),
+        error: wp.array2d(dtype=wp.vec4),
+    ) -> wp.int32:
+        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
+        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
+        hits = wp.int32(0)
+        for y in range(n):
+            x = wp.int32(0)
+            while x < grid.width:
+                triangle = visible[row * n + y, x]
+                stop = wp.int32(x + 1)
+                if triangle >= 0:
+                    last = wp.min(x + LANES, grid.width)
+                    while stop < last and visible[row * n + y, stop] == triangle:
+                        stop += 1
+                    locate(planes[triangle], grid, x, grid_row * n + y, stop - x, places, lanes)
+                    fill(texels, chain, places, stop - x, lanes)
+                    shade_packet(lanes, sun)
+                    gather(lanes, x, stop - x, n, y, j, picture, error)
+                    hits += stop - x
+                x = stop
+        if n > 1:
+            share = 1.0 / wp.float32(n * n)
+            for i in range(grid.width / n):
+                picture[j, i] = picture[j, i] * share
+                error[j, i] = error[j, i] * 0.5
+        return hits
+
+    return shade
+
+
+@functools.cache
+def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that shades rows of pixels of which it is known what they see, one thread a row (see `shade_row`).
+
+    Row `first_row` of pixels is added to row `picture_row`. `shaded` receives each row's number of samples.
+    """
+    texel_type = TEXELS[width]
+    shade = shade_row(fill, shade_packet, width)
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -99,29 +170,43 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
     ):
         row = wp.tid()
         j = picture_row + row
-        lanes = wp.zeros(shape=(floats,), dtype=wp.float32)
-        places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
-        hits = wp.int32(0)
-        for y in range(n):
-            x = wp.int32(0)
-            while x < grid.width:
-                triangle = visible[row * n + y, x]
-                stop = wp.int32(x + 1)
-                if triangle >= 0:
-                    last = wp.min(x + LANES, grid.width)
-                    while stop < last and visible[row * n + y, stop] == triangle:
-                        stop += 1
-                    locate(planes[triangle], grid, x, (first_row + row) * n + y, stop - x, places, lanes)
-                    fill(texels, chain, places, stop - x, lanes)
-                    shade_packet(lanes, sun)
-                    gather(lanes, x, stop - x, n, y, j, picture, error)
-                    hits += stop - x
-                x = stop
-        shaded[j] = hits
+        shaded[j] = shade(row, first_row + row, j, n, grid, visible, planes, texels, chain, sun, picture, error)
+
+    return kernel
+
+
+@functools.cache
+def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that draws triangles: it clears rows of pixels, finds what they see and shades it, one thread a row.
+
+    `visible` [rows * n, grid.width] is scratch for as many rows of pixels as are worked on at once.
+    """
+    texel_type = TEXELS[width]
+    shade, blank = shade_row(fill, shade_packet, width), blanking().native
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first_row: wp.int32,
+        n: wp.int32,
+        grid: Grid,
+        edges: wp.array(dtype=Edges),
+        planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        sun: Sun,
+        picture: wp.array2d(dtype=wp.vec4),
+        error: wp.array2d(dtype=wp.vec4),
+        shaded: wp.array(dtype=wp.int32),
+        visible: wp.array2d(dtype=wp.int32),
+    ):
+        j = first_row + wp.tid()
+        row = wp.tid() % (visible.shape[0] / n)
+        blank(picture, j)
         if n > 1:
-            share = 1.0 / wp.float32(n * n)
-            for i in range(grid.width / n):
-                picture[j, i] = picture[j, i] * share
-                error[j, i] = error[j, i] * 0.5
+            blank(error, j)
+        for y in range(n):
+            see_row(row * n + y, j * n + y, grid, edges, planes, bounds, visible)
+        shaded[j] = shade(row, j, j, n, grid, visible, planes, texels, chain, sun, picture, error)
 
     return kernel

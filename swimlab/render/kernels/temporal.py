@@ -1,46 +1,113 @@
-"""Reuse of the previous frame: where a surface was, the history read there, and how much of it is believed."""
+"""Reuse of the previous frame: where a surface was, whether it was seen there, and the blend with its history."""
 
 import functools
 
 import warp as wp
 
+from metrics.kernels.forms import Form, Twins, form
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.geometry import Previous, place_before
-from swimlab.render.kernels.raster import inverse_depth, sample_position
-from swimlab.render.kernels.structs import Grid, Planes
+from swimlab.render.kernels.history import premultiplying
+from swimlab.render.kernels.raster import inverse_depth, sample_position, see_row
+from swimlab.render.kernels.structs import Edges, Grid, Planes
 
 wp.set_module_options({"enable_backward": False})
 
 
-@wp.kernel
-def reproject(
-    first_row: wp.int32,
-    grid: Grid,
-    planes: wp.array(dtype=Planes),
-    visible: wp.array2d(dtype=wp.int32),
-    previous: Previous,
-    nearness: wp.array2d(dtype=wp.float32),
-    places: wp.array2d(dtype=wp.vec4),
-):
-    """The surface at each pixel's centre: 1/w (1/m) now; its place x, y (px) and 1/w in the previous frame, and the
-    slope of 1/w, |d/dx| + |d/dy| a pixel. 0 where there is none."""
-    row, i = wp.tid()
-    j = first_row + row
-    nearness[j, i] = 0.0
-    places[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    triangle = visible[row, i]
-    if triangle >= 0:
-        plane = planes[triangle]
-        p = sample_position(grid, i, j)
-        nearness[j, i] = wp.float32(inverse_depth(plane, p))
-        before = place_before(previous, surface_at(plane, grid, p).position)
-        slope = wp.abs(plane[0, 0] * grid.pitch[0]) + wp.abs(plane[0, 1] * grid.pitch[1])
-        places[j, i] = wp.vec4(
-            wp.float32(before[0]),
-            wp.float32(before[1]),
-            wp.float32(wp.float64(1.0) / before[2]),
-            wp.float32(slope),
-        )
+PROJECT = """
+    const double px = grid.pitch.c[0], py = grid.pitch.c[1], ox = grid.origin.c[0], oy = grid.origin.c[1];
+    const double (*p)[3] = planes.data;
+    const double (*m)[3] = previous.projection.data;
+    const double *o = previous.offset.c;
+    float* __restrict near = (float*)((char*)nearness.data + (long)j*nearness.strides[0]) + first;
+    float* __restrict at = (float*)((char*)places.data + (long)j*places.strides[0]) + 4*first;
+    const float slope = (float)(__builtin_fabs(p[0][0]*px) + __builtin_fabs(p[0][1]*py));
+    const double y = oy + ((double)j + 0.5)*py;
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const double x = ox + ((double)(first + k) + 0.5)*px, inverse = p[0][0]*x + p[0][1]*y + p[0][2];
+        const double w = 1.0/inverse;
+        const double a = (p[3][0]*x + p[3][1]*y + p[3][2])*w + o[0];
+        const double b = (p[4][0]*x + p[4][1]*y + p[4][2])*w + o[1];
+        const double c = (p[5][0]*x + p[5][1]*y + p[5][2])*w + o[2];
+        const double depth = m[2][0]*a + m[2][1]*b + m[2][2]*c;
+        near[k] = (float)inverse;
+        at[4*k] = (float)(((m[0][0]*a + m[0][1]*b + m[0][2]*c)/depth - previous.origin.c[0])/previous.pitch.c[0]);
+        at[4*k + 1] = (float)(((m[1][0]*a + m[1][1]*b + m[1][2]*c)/depth - previous.origin.c[1])/previous.pitch.c[1]);
+        at[4*k + 2] = (float)(1.0/depth);
+        at[4*k + 3] = slope;
+    }
+"""
+
+
+@form()
+def projecting() -> Twins:
+    """The function that finds where the previous frame saw a plane, for `count` pixels of row j from `first` on."""
+
+    @wp.func(module="unique")
+    def project(
+        planes: Planes,
+        grid: Grid,
+        previous: Previous,
+        first: wp.int32,
+        j: wp.int32,
+        count: wp.int32,
+        nearness: wp.array2d(dtype=wp.float32),
+        places: wp.array2d(dtype=wp.vec4),
+    ):
+        slope = wp.abs(planes[0, 0] * grid.pitch[0]) + wp.abs(planes[0, 1] * grid.pitch[1])
+        for i in range(first, first + count):
+            p = sample_position(grid, i, j)
+            before = place_before(previous, surface_at(planes, grid, p).position)
+            nearness[j, i] = wp.float32(inverse_depth(planes, p))
+            places[j, i] = wp.vec4(
+                wp.float32(before[0]),
+                wp.float32(before[1]),
+                wp.float32(wp.float64(1.0) / before[2]),
+                wp.float32(slope),
+            )
+
+    return Twins(project, PROJECT)
+
+
+@functools.cache
+def reproject_on(device: str) -> wp.Kernel:
+    """The kernel that finds the surface at each pixel's centre, now and in the previous frame, one thread a row.
+
+    nearness: 1/w (1/m) now. places: its place x, y (px) and 1/w in the previous frame, and the slope of 1/w,
+    |d/dx| + |d/dy| a pixel. 0 where there is none. `visible` is scratch.
+    """
+    project = projecting().on(device)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def reproject(
+        first_row: wp.int32,
+        grid: Grid,
+        edges: wp.array(dtype=Edges),
+        planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        previous: Previous,
+        nearness: wp.array2d(dtype=wp.float32),
+        places: wp.array2d(dtype=wp.vec4),
+        visible: wp.array2d(dtype=wp.int32),
+    ):
+        j = first_row + wp.tid()
+        row = wp.tid() % visible.shape[0]
+        see_row(row, j, grid, edges, planes, bounds, visible)
+        i = wp.int32(0)
+        while i < grid.width:
+            triangle = visible[row, i]
+            stop = wp.int32(i + 1)
+            if triangle >= 0:
+                while stop < grid.width and visible[row, stop] == triangle:
+                    stop += 1
+                project(planes[triangle], grid, previous, i, j, stop - i, nearness, places)
+            else:
+                nearness[j, i] = 0.0
+                places[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+            i = stop
+
+    return reproject
 
 
 @wp.func
@@ -87,125 +154,120 @@ def was_seen(nearness: wp.array2d(dtype=wp.float32), place: wp.vec4) -> wp.bool:
     return False
 
 
-@wp.func
-def pixel(image: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32) -> wp.vec4:
-    """A pixel; beyond the border, the nearest on the border."""
-    return image[wp.clamp(j, 0, image.shape[0] - 1), wp.clamp(i, 0, image.shape[1] - 1)]
+PLACE = """
+    typedef float vec __attribute__((ext_vector_type(4), aligned(4)));
+    const int right = nearness.shape[1] - 1, low = nearness.shape[0] - 1;
+    auto line = [&](int y) { return (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]); };
+    auto before = [&](int y) { return (const float*)((const char*)earlier.data + (long)y*earlier.strides[0]); };
+    const wp::vec_t<3, float> nowhere(0.0f, 0.0f, 0.0f);
+    int x = i, y = j;
+    float nearest = line(j)[i];
+    if (!(nearest > 0.0f)) {
+        nearest = 0.0f;
+        for (int v = j > 0 ? j - 1 : 0; v <= (j < low ? j + 1 : low); ++v)
+            for (int u = i > 0 ? i - 1 : 0; u <= (i < right ? i + 1 : right); ++u)
+                if (line(v)[u] > nearest) { nearest = line(v)[u]; x = u; y = v; }
+        if (nearest == 0.0f) return nowhere;
+    }
+    const vec place = ((const vec*)((const char*)places.data + (long)y*places.strides[0]))[x];
+    const float at = place.x + (float)(i - x), below = place.y + (float)(j - y);
+    if (!(at >= 0.0f && below >= 0.0f && at <= (float)(right + 1) && below <= (float)(low + 1))) return nowhere;
+    const int m = (int)__builtin_floorf(place.x), n = (int)__builtin_floorf(place.y);
+    if (place.z <= 0.0f || m < 0 || n < 0 || m > right || n > low) return nowhere;
+    const float apart = 0.1f*place.z + 1.5f*place.w;
+    for (int v = n > 0 ? n - 1 : 0; v <= (n < low ? n + 1 : low); ++v)
+        for (int u = m > 0 ? m - 1 : 0; u <= (m < right ? m + 1 : right); ++u) {
+            const float was = before(v)[u];
+            if (was > 0.0f && __builtin_fabsf(was - place.z) <= apart) return wp::vec_t<3, float>(at, below, 1.0f);
+        }
+    return nowhere;
+"""
 
 
-@wp.func
-def bilinear_read(image: wp.array2d(dtype=wp.vec4), x: wp.float32, y: wp.float32) -> wp.vec4:
-    """The four pixels about a place, px, weighted by nearness."""
-    i = wp.int32(wp.floor(x - 0.5))
-    j = wp.int32(wp.floor(y - 0.5))
-    a = x - 0.5 - wp.float32(i)
-    b = y - 0.5 - wp.float32(j)
-    upper = pixel(image, i, j) * (1.0 - a) + pixel(image, i + 1, j) * a
-    lower = pixel(image, i, j + 1) * (1.0 - a) + pixel(image, i + 1, j + 1) * a
-    return upper * (1.0 - b) + lower * b
+@form()
+def placing() -> Twins:
+    """The function that finds where the previous frame saw what pixel (i, j) shows: x, y (px) and 1; 0 where it
+    did not. `earlier` is that frame's nearness."""
+
+    @wp.func(module="unique")
+    def place_before_of(
+        nearness: wp.array2d(dtype=wp.float32),
+        places: wp.array2d(dtype=wp.vec4),
+        earlier: wp.array2d(dtype=wp.float32),
+        i: wp.int32,
+        j: wp.int32,
+    ) -> wp.vec3:
+        owner = surface_beside(nearness, i, j)
+        if owner[0] >= 0:
+            place = places[owner[1], owner[0]]
+            x = place[0] + wp.float32(i - owner[0])
+            y = place[1] + wp.float32(j - owner[1])
+            width = wp.float32(nearness.shape[1])
+            height = wp.float32(nearness.shape[0])
+            on_screen = x >= 0.0 and y >= 0.0 and x <= width and y <= height
+            if on_screen and was_seen(earlier, place):
+                return wp.vec3(x, y, 1.0)
+        return wp.vec3(0.0, 0.0, 0.0)
+
+    return Twins(place_before_of, PLACE)
 
 
-@wp.func
-def catmull_rom(a: wp.float32) -> wp.vec4:
-    """Weights of four neighbours for a place `a` of the way from the second to the third (Catmull & Rom 1974)."""
-    return wp.vec4(
-        ((-0.5 * a + 1.0) * a - 0.5) * a,
-        (1.5 * a - 2.5) * a * a + 1.0,
-        ((-1.5 * a + 2.0) * a + 0.5) * a,
-        (0.5 * a - 0.5) * a * a,
+ANY_NEAR = """
+    float most = 0.0f;
+    for (int y = j > 0 ? j - 1 : 0; y <= j + 1 && y < nearness.shape[0]; ++y) {
+        const float* __restrict line = (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]);
+        float found[16] = {};
+        int i = 0;
+        for (; i + 16 <= nearness.shape[1]; i += 16)
+            for (int k = 0; k < 16; ++k) found[k] = line[i + k] > found[k] ? line[i + k] : found[k];
+        for (; i < nearness.shape[1]; ++i) most = line[i] > most ? line[i] : most;
+        for (int k = 0; k < 16; ++k) most = found[k] > most ? found[k] : most;
+    }
+    return most > 0.0f;
+"""
+
+
+@form()
+def any_near() -> Twins:
+    """The function that tells whether a pixel of row j, or of the rows above and below it, sees a surface."""
+
+    @wp.func(module="unique")
+    def near(nearness: wp.array2d(dtype=wp.float32), j: wp.int32) -> wp.bool:
+        for y in range(wp.max(j - 1, 0), wp.min(j + 2, nearness.shape[0])):
+            for i in range(nearness.shape[1]):
+                if nearness[y, i] > 0.0:
+                    return True
+        return False
+
+    return Twins(near, ANY_NEAR)
+
+
+@form()
+def copying() -> Twins:
+    """The function that copies row j of a picture."""
+
+    @wp.func(module="unique")
+    def copy(image: wp.array2d(dtype=wp.vec4), j: wp.int32, out: wp.array2d(dtype=wp.vec4)):
+        for i in range(image.shape[1]):
+            out[j, i] = image[j, i]
+
+    return Twins(
+        copy,
+        "__builtin_memcpy((char*)out.data + (long)j*out.strides[0], (char*)image.data + (long)j*image.strides[0],"
+        " 16*image.shape[1]);",
     )
-
-
-@wp.func
-def bicubic_read(image: wp.array2d(dtype=wp.vec4), x: wp.float32, y: wp.float32) -> wp.vec4:
-    """The sixteen pixels about a place, px, by Catmull-Rom weights: repeated reading hardly blurs."""
-    i = wp.int32(wp.floor(x - 0.5))
-    j = wp.int32(wp.floor(y - 0.5))
-    across = catmull_rom(x - 0.5 - wp.float32(i))
-    down = catmull_rom(y - 0.5 - wp.float32(j))
-    total = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    for n in range(4):
-        line = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        for m in range(4):
-            line += pixel(image, i - 1 + m, j - 1 + n) * across[m]
-        total += line * down[n]
-    return total
-
-
-@wp.func
-def to_ycocg(c: wp.vec4) -> wp.vec4:
-    """RGBA as Y, Co, Cg, A: brightness varies most, and gets an axis of its own (Karis 2014)."""
-    return wp.vec4(
-        0.25 * c[0] + 0.5 * c[1] + 0.25 * c[2], 0.5 * c[0] - 0.5 * c[2], 0.5 * c[1] - 0.25 * c[0] - 0.25 * c[2], c[3]
-    )
-
-
-@wp.func
-def from_ycocg(c: wp.vec4) -> wp.vec4:
-    """The inverse of `to_ycocg`."""
-    return wp.vec4(c[0] - c[2] + c[1], c[0] + c[2], c[0] - c[2] - c[1], c[3])
-
-
-@wp.func
-def box_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, history: wp.vec4) -> wp.vec4:
-    """The history within the range of the new frame's 3 x 3 pixels about it, in YCoCg and alpha.
-
-    Karis 2014, High Quality Temporal Supersampling.
-    """
-    least = to_ycocg(fresh[j, i])
-    most = least
-    for y in range(j - 1, j + 2):
-        for x in range(i - 1, i + 2):
-            value = to_ycocg(pixel(fresh, x, y))
-            least = wp.min(least, value)
-            most = wp.max(most, value)
-    return from_ycocg(wp.max(least, wp.min(most, to_ycocg(history))))
-
-
-@wp.func
-def variance_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, history: wp.vec4) -> wp.vec4:
-    """The history within one standard deviation of the mean of the new frame's 3 x 3 pixels, in YCoCg and alpha.
-
-    Salvi 2016, An Excursion in Temporal Supersampling.
-    """
-    mean = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    for y in range(j - 1, j + 2):
-        for x in range(i - 1, i + 2):
-            mean += to_ycocg(pixel(fresh, x, y)) / 9.0
-    variance = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    for y in range(j - 1, j + 2):
-        for x in range(i - 1, i + 2):
-            away = to_ycocg(pixel(fresh, x, y)) - mean
-            variance += wp.cw_mul(away, away) / 9.0
-    spread = wp.vec4(wp.sqrt(variance[0]), wp.sqrt(variance[1]), wp.sqrt(variance[2]), wp.sqrt(variance[3]))
-    return from_ycocg(wp.max(mean - spread, wp.min(mean + spread, to_ycocg(history))))
-
-
-@wp.func
-def no_clamp(fresh: wp.array2d(dtype=wp.vec4), i: wp.int32, j: wp.int32, history: wp.vec4) -> wp.vec4:
-    """The history unchanged."""
-    return history
-
-
-@wp.func
-def premultiplied(c: wp.vec4) -> wp.vec4:
-    """The colour without a cubic's overshoot: no negative light, and alpha within 0..1."""
-    if c[3] <= 0.0:
-        return wp.vec4(0.0, 0.0, 0.0, 0.0)
-    return wp.max(c, wp.vec4(0.0, 0.0, 0.0, 0.0)) / wp.max(c[3], 1.0)
-
-
-READS = {"bicubic": bicubic_read, "bilinear": bilinear_read}
-CLAMPS = {"box": box_clamp, "variance": variance_clamp, "none": no_clamp}
 
 
 @functools.cache
-def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
-    """The kernel that blends a new frame into the history, or keeps it where the history saw another surface.
+def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Kernel:
+    """The kernel that blends rows of a new frame into the history, or keeps them where that saw another surface.
 
     `fresh` and `history` are premultiplied [H, W]; `nearness` and `places` are `reproject`'s of the new frame,
     `nearness_before` is the frame before's.
     """
+
+    read, clamp = history_read.on(device), history_clamp.on(device)
+    place, near, copy, possible = (each().on(device) for each in (placing, any_near, copying, premultiplying))
 
     @wp.kernel(module="unique", enable_backward=False)
     def resolve(
@@ -218,17 +280,16 @@ def resolve_with(read: wp.Function, clamp: wp.Function) -> wp.Kernel:
         nearness_before: wp.array2d(dtype=wp.float32),
         picture: wp.array2d(dtype=wp.vec4),
     ):
-        row, i = wp.tid()
-        j = first_row + row
-        picture[j, i] = fresh[j, i]
-        owner = surface_beside(nearness, i, j)
-        if owner[0] >= 0:
-            place = places[owner[1], owner[0]]
-            x = place[0] + wp.float32(i - owner[0])
-            y = place[1] + wp.float32(j - owner[1])
-            on_screen = x >= 0.0 and y >= 0.0 and x <= wp.float32(fresh.shape[1]) and y <= wp.float32(fresh.shape[0])
-            if on_screen and was_seen(nearness_before, place):
-                kept = premultiplied(clamp(fresh, i, j, read(history, x, y)))
-                picture[j, i] = kept + (fresh[j, i] - kept) * blend
+        j = first_row + wp.tid()
+        if not near(nearness, j):
+            copy(fresh, j, picture)
+            return
+        for i in range(fresh.shape[1]):
+            colour = fresh[j, i]
+            at = place(nearness, places, nearness_before, i, j)
+            if at[2] > 0.0:
+                kept = possible(clamp(fresh, i, j, read(history, at[0], at[1])))
+                colour = kept + (colour - kept) * blend
+            picture[j, i] = colour
 
     return resolve

@@ -45,6 +45,7 @@ ISOTROPIC_PROBE = """
 """
 
 ANISOTROPIC_PROBES = """
+    float au[LANES], av[LANES];
     #pragma clang loop vectorize(assume_safety)
     for (int k = 0; k < count; ++k) {
         const double xx = q[2*LANES + k]*W, xy = q[3*LANES + k]*H, yx = q[4*LANES + k]*W, yy = q[5*LANES + k]*H;
@@ -60,7 +61,8 @@ ANISOTROPIC_PROBES = """
         number[k] = (int)n; lod[k] = log2_of((float)(major/n));
         const float lu = (float)(ax*major/W), lv = (float)(ay*major/H), share = (float)n;
         su[k] = lu/share; sv[k] = lv/share;
-        fu[k] = (float)q[k] - (lu - su[k])*0.5f; fv[k] = (float)q[LANES + k] - (lv - sv[k])*0.5f;
+        au[k] = (lu - su[k])*0.5f; av[k] = (lv - sv[k])*0.5f;
+        fu[k] = (float)q[k] - au[k]; fv[k] = (float)q[LANES + k] - av[k];
     }
 """
 
@@ -221,7 +223,16 @@ def isotropic(width: int) -> Twins:
 @form(cases=product(TEXELS, (1, 3, 16)), agrees=AGREES)
 def anisotropic(width: int, most: int) -> Twins:
     """Means of up to `most` probes along each footprint's major axis."""
-    return filter_of(sampling.anisotropic_to(most), ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
+    return stretched(sampling.anisotropic_to(most), width, most)
+
+
+def stretched(plain: wp.Function, width: int, most: int, then: str = "") -> Twins:
+    """The anisotropic filter, and C++ of what `plain` does to its texels afterwards.
+
+    That has the means in `out`, the footprints in `q`, and what the filter's own code declares.
+    """
+    code = filter_of(plain, ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
+    return code._replace(native=code.native + then.replace("LANES", str(LANES)))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
 from swimlab.render.inputs import Inputs, Level, Maps, slopes
+from swimlab.render.kernels.packet import each_resolved
 from swimlab.render.kernels.structs import Chain
 from swimlab.render.technique import moment_technique
 
@@ -34,7 +36,24 @@ def widened(texel: Any, chain: Chain):
     return texel
 
 
-INPUTS = Inputs("clean", pack, widened)
+NATIVE_RESOLVE = """
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        float* a = lanes.data + k;
+        const float x = a[3*64], y = a[4*64], rounding = a[5*64]*2.4e-7f, exact = a[5*64] - (x*x + y*y);
+        a[3*64] = x + chain.centre.c[0]; a[4*64] = y + chain.centre.c[1]; a[5*64] = 1.0f;
+        a[7*64] = 1.0f/(0.5f*(exact > rounding ? exact : rounding));
+    }
+"""
+
+
+@form()
+def widened_lanes() -> Twins:
+    """`widened` over the first lanes of a packet."""
+    return Twins(each_resolved(widened, 8), NATIVE_RESOLVE, 8)
+
+
+INPUTS = Inputs("clean", pack, widened, resolve_lanes=widened_lanes().native)
 
 TECHNIQUE = moment_technique(
     INPUTS,

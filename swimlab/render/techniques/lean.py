@@ -10,7 +10,7 @@ import warp as wp
 from metrics.kernels.forms import Twins, Within, form
 from swimlab.render.inputs import Inputs, Level, Maps, slopes
 from swimlab.render.kernels.cpp import EXP2, half_vector_code
-from swimlab.render.kernels.packet import plain_packet
+from swimlab.render.kernels.packet import each_resolved, plain_packet
 from swimlab.render.kernels.shading import half_vector
 from swimlab.render.kernels.structs import Chain, LeanTexel
 from swimlab.render.technique import moment_technique
@@ -85,7 +85,34 @@ def lean_packet() -> Twins:
     return Twins(plain_packet(reflect, 9), NATIVE, 9)
 
 
-INPUTS = Inputs("lean", pack, covariance, reflect, lean_packet().native, otherwise=clean.INPUTS)
+NATIVE_RESOLVE = """
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        float* a = lanes.data + k;
+        const float x = a[3*64], y = a[4*64], rounding = (a[5*64] + a[7*64])*2.4e-7f;
+        const float xx = a[5*64] - x*x, yy = a[7*64] - y*y;
+        a[5*64] = xx > rounding ? xx : rounding; a[7*64] = yy > rounding ? yy : rounding;
+        a[8*64] -= x*y;
+        a[3*64] = x + chain.centre.c[0]; a[4*64] = y + chain.centre.c[1];
+    }
+"""
+
+
+@form()
+def covariance_lanes() -> Twins:
+    """`covariance` over the first lanes of a packet."""
+    return Twins(each_resolved(covariance, 9), NATIVE_RESOLVE, 9)
+
+
+INPUTS = Inputs(
+    "lean",
+    pack,
+    covariance,
+    reflect,
+    lean_packet().native,
+    otherwise=clean.INPUTS,
+    resolve_lanes=covariance_lanes().native,
+)
 
 TECHNIQUE = moment_technique(
     INPUTS,

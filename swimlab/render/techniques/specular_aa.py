@@ -9,9 +9,10 @@ from typing import Any
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.forms import Twins, Within, form
 from swimlab.render.kernels.sampling import anisotropic
 from swimlab.render.kernels.structs import Chain, Surface
-from swimlab.render.kernels.texture_filter import TextureFilter
+from swimlab.render.kernels.texture_filter import TextureFilter, stretched
 from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique, pixel_shading
 
@@ -56,12 +57,77 @@ def widened(variance: float, threshold: float, most: int) -> wp.Function:
     return antialiased
 
 
+NEIGHBOURS = """
+    // Mean normals about the places one cell to the right and one down, by the probes of the footprint itself.
+    typedef float vec_n __attribute__((ext_vector_type(4), aligned(4)));
+    vec_n fine[2][LANES], coarse[2][LANES];
+    for (int s = 0; s < 2; ++s) {
+        #pragma clang loop vectorize(assume_safety)
+        for (int k = 0; k < count; ++k) {
+            fu[k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - au[k];
+            fv[k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - av[k];
+        }
+        __builtin_memset(fine[s], 0, sizeof fine[s]);
+        __builtin_memset(coarse[s], 0, sizeof coarse[s]);
+        auto lookup = [&](int o, int k) {
+            #pragma clang fp contract(fast)
+            auto read = [&](int which) { return *(const vec_n*)(data + (long)at[o][which][k]*WIDTH + 3); };
+            const vec_n upper = read(0) + (read(1) - read(0))*across[o][k];
+            const vec_n lower = read(2) + (read(3) - read(2))*across[o][k];
+            return upper + (lower - upper)*down[o][k];
+        };
+        for (int i = 0; i < most; ++i) {
+            address(0, (float)i);
+            if (blended) address(1, (float)i);
+            for (int k = 0; k < count; ++k) {
+                if (i >= number[k]) continue;
+                fine[s][k] += lookup(0, k);
+                if (blend[k] > 1.0e-6f) coarse[s][k] += lookup(1, k);
+            }
+        }
+    }
+    float mean[2][3][LANES];
+    for (int s = 0; s < 2; ++s)
+        for (int k = 0; k < count; ++k) {
+            const vec_n m = fine[s][k]*(1.0f - blend[k]) + coarse[s][k]*blend[k];
+            mean[s][0][k] = m.x; mean[s][1][k] = m.y; mean[s][2][k] = m.z;
+        }
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const float x = out[3*LANES + k], y = out[4*LANES + k], z = out[5*LANES + k], long_n = x*x + y*y + z*z;
+        const float unit = long_n > 0.0f ? 1.0f/__builtin_sqrtf(long_n) : 0.0f;
+        float turn = 0.0f;
+        for (int s = 0; s < 2; ++s) {
+            const float a = mean[s][0][k], b = mean[s][1][k], c = mean[s][2][k], long_m = a*a + b*b + c*c;
+            const float one = long_m > 0.0f ? 1.0f/__builtin_sqrtf(long_m) : 0.0f;
+            const float dx = a*one - x*unit, dy = b*one - y*unit, dz = c*one - z*unit;
+            turn += dx*dx + dy*dy + dz*dz;
+        }
+        const float wider = 2.0f*VARIANCE*turn;
+        const float squared = 2.0f/(out[7*LANES + k] + 2.0f) + (wider < THRESHOLD ? wider : THRESHOLD);
+        out[7*LANES + k] = 2.0f/(squared < 1.0f ? squared : 1.0f) - 2.0f;
+    }
+"""
+
+
+@form(cases=[(8, 0.15, 0.2, 16), (10, 0.5, 0.1, 3)], agrees=Within("native specular-aa, relative", floor=1.0))
+def widened_texels(width: int, variance: float, threshold: float, most: int) -> Twins:
+    """`widened` over the lanes of a packet, of texels of `width` floats."""
+    names = {"WIDTH": str(width), "VARIANCE": f"{variance!r}f", "THRESHOLD": f"{threshold!r}f"}
+    code = functools.reduce(lambda text, name: text.replace(name, names[name]), names, NEIGHBOURS)
+    return stretched(widened(variance, threshold, most), width, most, code)
+
+
+def texture_filter(settings: SpecularAaSettings) -> TextureFilter:
+    """The filter of some settings."""
+    chosen = settings.variance, settings.threshold, settings.anisotropy
+    return TextureFilter(widened(*chosen), lambda width: widened_texels(width, *chosen))
+
+
 TECHNIQUE = Technique(
     name="specular-aa",
     summary="aniso inputs, highlight widened by the normal's screen derivatives",
     source="Tokuyoshi & Kaplanyan 2019, Improved Geometric Specular Antialiasing; constants of Filament",
-    render=pixel_shading(
-        lambda settings: TextureFilter(widened(settings.variance, settings.threshold, settings.anisotropy))
-    ),
+    render=pixel_shading(texture_filter),
     settings=SpecularAaSettings,
 )

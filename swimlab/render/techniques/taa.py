@@ -6,7 +6,6 @@ clamped to the colours of x nearby. Where the surface was off-screen or hidden a
 that resizes each frame stands alone: it is the recursion over preroll + 1 jitters of its own still view.
 """
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
@@ -14,15 +13,14 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
-from metrics.kernels.launch import Strip
 from sequences import View
 from swimlab.render.geometry import seen_from
-from swimlab.render.kernels.temporal import CLAMPS, READS, reproject, resolve_with
+from swimlab.render.kernels.history import CLAMPS, READS
+from swimlab.render.kernels.temporal import reproject_on, resolve_with
 from swimlab.render.kernels.texture_filter import anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.technique import Picture, Technique, shading, to_image
-from swimlab.render.triangles import visibility
+from swimlab.render.technique import Picture, Technique, draw, to_image
 
 
 class TaaSettings(Settings):
@@ -66,7 +64,7 @@ class Accumulation:
         if last is not None and last.frame >= shot.frame:
             last = None
         for frame in range(-settings.preroll if last is None else last.frame + 1, shot.frame + 1):
-            last = advance(replace(shot, frame=frame), shot.sequence.view(frame - 1), frame, last, settings)
+            last = advance(shot.at(frame), shot.sequence.view(frame - 1), frame, last, settings)
         self._last = last
         return Picture(to_image(last.picture), shaded=int(last.shaded.numpy().sum(dtype=np.int64)))
 
@@ -84,32 +82,24 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     """One step of the recursion: a new sample of each pixel, jittered by `step`, and the history, that of `before`."""
     launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
     size = (view.height, view.width)
-    fresh, nearness, places = (launcher.zeros(size, dtype) for dtype in (wp.vec4, wp.float32, wp.vec4))
-    shaded, no_error = launcher.empty(view.height, wp.int32), launcher.empty((0, 0), wp.vec4)
-    previous = seen_from(shot, before)
     jittered: Any = shot.grid()
     x, y = jitters(settings.period)[step % settings.period]
     jittered.origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
-    shade = shading(shot, anisotropic_to(settings.anisotropy), 1)
-
-    def sample(strip: Strip) -> None:
-        seen = visibility(launcher, triangles, jittered, strip)
-        shade(jittered, triangles, seen, strip, fresh, no_error, shaded)
-        centres = visibility(launcher, triangles, grid, strip)
-        inputs = [strip.first, grid, triangles.planes, centres, previous, nearness, places]
-        launcher.launch(reproject, (strip.rows, view.width), inputs)
-
-    launcher.each(launcher.strips(view.height), sample)
+    fresh, shaded = draw(shot, jittered, anisotropic_to(settings.anisotropy))
+    nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
+    launcher.over(
+        view.height,
+        reproject_on(launcher.device),
+        (),
+        [grid, triangles.edges, triangles.planes, triangles.bounds, seen_from(shot, before), nearness, places],
+        own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
+    )
     if last is None:
         return History(step, fresh, nearness, shaded)
     picture = launcher.empty(size, wp.vec4)
-    resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp])
-
-    def blend(strip: Strip) -> None:
-        inputs = [strip.first, settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
-        launcher.launch(resolve, (strip.rows, view.width), inputs)
-
-    launcher.each(launcher.strips(view.height), blend)
+    resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
+    inputs = [settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
+    launcher.over(view.height, resolve, (), inputs)
     return History(step, picture, nearness, shaded)
 
 

@@ -14,18 +14,16 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
-from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX
-from swimlab.render.kernels.footprint import surface_at
-from swimlab.render.kernels.raster import sample_position
+from swimlab.render.kernels.raster import sample_position, see_row
 from swimlab.render.kernels.sampling import trilinear
 from swimlab.render.kernels.shading import in_local_frame, shade_with
-from swimlab.render.kernels.structs import TEXELS, Chain, Grid, Planes, Sun, Surface
+from swimlab.render.kernels.structs import TEXELS, Chain, Edges, Grid, Planes, Sun, Surface
 from swimlab.render.mesh import Doubles, Mesh, scene_mesh
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.technique import Picture, Technique, to_image
-from swimlab.render.triangles import on_screen, screen_projection, visibility
+from swimlab.render.triangles import on_screen, sampled, screen_projection
 
 Quads = Annotated[int, Field(ge=1, le=256)]
 
@@ -62,22 +60,35 @@ def shade_vertices(reflect: wp.Function, width: int) -> wp.Kernel:
     return kernel
 
 
+@wp.func
+def colour_at(planes: Planes, p: wp.vec2d) -> wp.vec4:
+    """The colour that the planes carry in the place of positions, where an image point sees them."""
+    values = planes @ wp.vec3d(p[0], p[1], wp.float64(1.0))
+    w = wp.float64(1.0) / values[0]
+    colour = wp.vec3(wp.float32(values[3] * w), wp.float32(values[4] * w), wp.float32(values[5] * w))
+    return wp.vec4(wp.max(colour[0], 0.0), wp.max(colour[1], 0.0), wp.max(colour[2], 0.0), 1.0)
+
+
 @wp.kernel(enable_backward=False)
 def interpolate(
     first_row: wp.int32,
     grid: Grid,
-    visible: wp.array2d(dtype=wp.int32),
+    edges: wp.array(dtype=Edges),
     planes: wp.array(dtype=Planes),
+    bounds: wp.array(dtype=wp.vec2d),
     picture: wp.array2d(dtype=wp.vec4),
+    visible: wp.array2d(dtype=wp.int32),
 ):
-    """Fill rows of pixels with the colours that the planes carry in the place of positions."""
-    row, i = wp.tid()
-    j = first_row + row
-    picture[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    triangle = visible[row, i]
-    if triangle >= 0:
-        colour = wp.vec3(surface_at(planes[triangle], grid, sample_position(grid, i, j)).position)
-        picture[j, i] = wp.vec4(wp.max(colour[0], 0.0), wp.max(colour[1], 0.0), wp.max(colour[2], 0.0), 1.0)
+    """Fill rows of pixels with the colours that the planes carry, one thread a row; `visible` is scratch."""
+    j = first_row + wp.tid()
+    row = wp.tid() % visible.shape[0]
+    see_row(row, j, grid, edges, planes, bounds, visible)
+    for i in range(grid.width):
+        colour = wp.vec4(0.0, 0.0, 0.0, 0.0)
+        triangle = visible[row, i]
+        if triangle >= 0:
+            colour = colour_at(planes[triangle], sample_position(grid, i, j))
+        picture[j, i] = colour
 
 
 def vertex_colours(shot: Shot, mesh: Mesh, lod: float) -> Doubles:
@@ -86,8 +97,15 @@ def vertex_colours(shot: Shot, mesh: Mesh, lod: float) -> Doubles:
     chain = shot.material.chain(inputs)
     kernel = shade_vertices(in_local_frame(shot.model.evaluate, chain.floats), chain.floats)
     colours = launcher.empty(len(mesh.positions), wp.vec3)
-    arguments: list[Any] = [launcher.array(mesh.uv, wp.vec2d), launcher.array(mesh.positions, wp.vec3d)]
-    arguments += [launcher.array(mesh.slope, wp.float32), lod, chain.texels, chain.shape, shot.sun, colours]
+    arguments: list[Any] = [launcher.view(mesh.uv, wp.vec2d), launcher.view(mesh.positions, wp.vec3d)]
+    arguments += [
+        launcher.view(mesh.slope.astype(np.float32), wp.float32),
+        lod,
+        chain.texels,
+        chain.shape,
+        shot.sun,
+        colours,
+    ]
     launcher.launch(kernel, len(mesh.positions), arguments)
     return np.asarray(colours.numpy(), np.float64)
 
@@ -101,17 +119,16 @@ def render(shot: Shot, settings: VertexSettings) -> Picture:
     texels_across, texels_along = shot.material.size
     colours = vertex_colours(shot, mesh, log2(max(texels_across / across, texels_along / along)))
     width, height = shot.sequence.size
-    projection = screen_projection(camera, height, width)
-    triangles = on_screen(launcher, mesh, projection, carried=colours)
-    grid = shot.grid()
+    projection, grid = screen_projection(camera, height, width), shot.grid()
+    triangles = on_screen(launcher, sampled(launcher, mesh, projection, grid), projection, carried=colours)
     picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
-
-    def fill(strip: Strip) -> None:
-        visible = visibility(launcher, triangles, grid, strip)
-        inputs = [strip.first, grid, visible, triangles.planes, picture]
-        launcher.launch(interpolate, (strip.rows, shot.view.width), inputs)
-
-    launcher.each(launcher.strips(shot.view.height), fill)
+    launcher.over(
+        shot.view.height,
+        interpolate,
+        (),
+        [grid, triangles.edges, triangles.planes, triangles.bounds, picture],
+        own=lambda rows: [launcher.empty((rows, grid.width), wp.int32)],
+    )
     return Picture(to_image(picture), shaded=len(colours))
 
 

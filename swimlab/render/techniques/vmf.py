@@ -4,7 +4,9 @@ from typing import Any
 
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
 from swimlab.render.inputs import Inputs, variances
+from swimlab.render.kernels.packet import each_resolved
 from swimlab.render.kernels.structs import Chain
 from swimlab.render.technique import moment_technique
 
@@ -17,7 +19,25 @@ def widened(texel: Any, chain: Chain):
     return texel
 
 
-INPUTS = Inputs("vmf", variances, widened)
+NATIVE_RESOLVE = """
+    #pragma clang loop vectorize(assume_safety)
+    for (int k = 0; k < count; ++k) {
+        const float x = lanes.data[3*64 + k], y = lanes.data[4*64 + k], z = lanes.data[5*64 + k];
+        float r = __builtin_sqrtf(x*x + y*y + z*z);
+        r = r < 1.0f ? (r > 1.0e-6f ? r : 1.0e-6f) : 1.0f;
+        const float spread = (1.0f - r)*(1.0f + r)/(3.0f*r - r*r*r);
+        lanes.data[7*64 + k] = 1.0f/(lanes.data[7*64 + k] + spread);
+    }
+"""
+
+
+@form()
+def widened_lanes() -> Twins:
+    """`widened` over the first lanes of a packet."""
+    return Twins(each_resolved(widened, 8), NATIVE_RESOLVE, 8)
+
+
+INPUTS = Inputs("vmf", variances, widened, resolve_lanes=widened_lanes().native)
 
 TECHNIQUE = moment_technique(
     INPUTS,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,6 +58,25 @@ def test_strips_partition_the_rows(launcher, rows):
     strips = launcher.strips(rows)
     covered = [row for strip in strips for row in range(strip.first, strip.first + strip.rows)]
     assert covered == list(range(rows))
+
+
+@wp.kernel(enable_backward=False)
+def count_up(first_row: wp.int32, times: wp.array2d(dtype=wp.int32), scratch: wp.array2d(dtype=wp.int32)):
+    row = wp.tid() % scratch.shape[0]
+    for i in range(times.shape[1]):
+        scratch[row, i] = times[first_row + wp.tid(), i]
+    for i in range(times.shape[1]):
+        times[first_row + wp.tid(), i] = scratch[row, i] + 1
+
+
+@settings(derandomize=True, max_examples=30, deadline=None)
+@given(rows=st.integers(1, 700), n=st.sampled_from([1, 2, 8, 64]))
+def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
+    """However few the threads, each with scratch of its own."""
+    for launcher in launchers:
+        times = launcher.zeros((rows, 3), wp.int32)
+        launcher.over(rows, count_up, (), [times], n=n, own=lambda count, by=launcher: [by.empty((count, 3), wp.int32)])
+        assert (times.numpy() == 1).all()
 
 
 def test_every_item_is_worked_on_once(launcher):

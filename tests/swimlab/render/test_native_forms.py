@@ -8,6 +8,7 @@ from pkgutil import walk_packages
 import measuring_forms
 import numpy as np
 import pytest
+import temporal_forms
 import warp as wp
 from packets import SAMPLES, in_rows, shade
 
@@ -329,21 +330,25 @@ def cleared(launcher, shoot, clear, width):
     yield visible.numpy()
 
 
-RUNS = {
-    ("texels", "chain", "places", "count", "lanes"): filled,
-    ("lanes", "sun"): shaded,
-    ("planes", "grid", "first", "row", "count", "places", "lanes"): located,
-    ("lanes", "lane", "texel"): put,
-    ("lanes", "lane"): taken,
-    ("lanes", "first", "count", "n", "y", "j", "picture", "error"): gathered,
-    ("visible", "row", "first", "last", "value"): claimed,
-    ("visible", "row", "cells"): cleared,
-    ("texels", "chain", "centres", "count", "lanes"): aligned,
-    ("pages", "places", "count", "need"): marked,
-    ("planes", "tiles", "first", "pages", "level", "s", "begin", "end", "places", "lanes"): located_texels,
-    ("lanes", "owners", "s", "count", "depth", "texels"): collected,
-    ("texels", "tiles", "kept", "first", "count", "level", "pages", "held"): kept,
-} | measuring_forms.RUNS
+RUNS = (
+    temporal_forms.RUNS
+    | {
+        ("texels", "chain", "places", "count", "lanes"): filled,
+        ("lanes", "sun"): shaded,
+        ("planes", "grid", "first", "row", "count", "places", "lanes"): located,
+        ("lanes", "lane", "texel"): put,
+        ("lanes", "lane"): taken,
+        ("lanes", "first", "count", "n", "y", "j", "picture", "error"): gathered,
+        ("visible", "row", "first", "last", "value"): claimed,
+        ("visible", "row", "cells"): cleared,
+        ("texels", "chain", "centres", "count", "lanes"): aligned,
+        ("pages", "places", "count", "need"): marked,
+        ("planes", "tiles", "first", "pages", "level", "s", "begin", "end", "places", "lanes"): located_texels,
+        ("lanes", "owners", "s", "count", "depth", "texels"): collected,
+        ("texels", "tiles", "kept", "first", "count", "level", "pages", "held"): kept,
+    }
+    | measuring_forms.RUNS
+)
 """Parameters of a form -> what runs a function of these parameters and yields its results."""
 
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import warp as wp
 
-from metrics.kernels.launch import Strip
 from sequences import load
 from swimlab.render.geometry import describe_geometry, seen_from
-from swimlab.render.kernels.temporal import CLAMPS, READS, reproject, resolve_with
-from swimlab.render.triangles import visibility
+from swimlab.render.kernels.history import CLAMPS, READS
+from swimlab.render.kernels.temporal import reproject_on, resolve_with
 
 H, W = 12, 16
 BLEND = 0.25
@@ -27,8 +26,8 @@ def resolve(launcher):
         vectors = [np.broadcast_to(each, (H, W, 4)).astype(np.float32) for each in (fresh, places, history)]
         fresh, places, history = (launcher.array(each, wp.vec4) for each in vectors)
         now, before = (launcher.array(each.astype(np.float32), wp.float32) for each in (now, before))
-        kernel = resolve_with(READS[read], CLAMPS[clamp])
-        launcher.launch(kernel, (H, W), [0, BLEND, fresh, now, places, history, before, picture])
+        kernel = resolve_with(READS[read], CLAMPS[clamp], launcher.device)
+        launcher.launch(kernel, H, [0, BLEND, fresh, now, places, history, before, picture])
         return picture.numpy()
 
     return resolve
@@ -145,10 +144,11 @@ def test_places_are_where_motion_leads_back_to(launcher, shoot, tolerance, name)
     shot = shoot(load(name).with_changes(size=(64, 36)), 2)
     geometry = describe_geometry(shot)
     size = (36, 64)
-    centres = visibility(launcher, shot.triangles, shot.grid(), Strip(0, 36))
+    triangles, scratch = shot.triangles, launcher.empty(size, wp.int32)
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
-    inputs = [0, shot.grid(), shot.triangles.planes, centres, seen_from(shot, shot.sequence.view(1)), nearness, places]
-    launcher.launch(reproject, size, inputs)
+    inputs = [0, shot.grid(), triangles.edges, triangles.planes, triangles.bounds]
+    inputs += [seen_from(shot, shot.sequence.view(1)), nearness, places, scratch]
+    launcher.launch(reproject_on(launcher.device), 36, inputs)
     hit = geometry.depth > 0
     j, i = np.mgrid[:36, :64] + 0.5
     nearness, places = nearness.numpy(), places.numpy()

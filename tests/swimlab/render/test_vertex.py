@@ -7,9 +7,11 @@ import pytest
 from oracle import Oracle, trilinear
 from pydantic import ValidationError
 
+from metrics.kernels.launch import Strip
 from sequences import load
 from swimlab.render.mesh import scene_mesh
 from swimlab.render.techniques.vertex import VertexSettings, vertex_colours
+from swimlab.render.triangles import on_screen, sampled, screen_projection, visibility
 
 ROAD = {"length": 40.0, "segment": 8.0}
 NEAR = load("road-shift").with_changes(
@@ -89,3 +91,28 @@ def test_every_vertex_is_counted_once(shoot, render):
 def test_quads_are_checked(quads):
     with pytest.raises(ValidationError, match="quads"):
         VertexSettings(quads=quads)
+
+
+@pytest.mark.parametrize("name", ["road-shift", "road-hills", "road-posts"])
+@pytest.mark.parametrize("cut_into", [(1, 1), (16, 16)])
+def test_triangles_that_no_sample_sees_need_not_be_set_up(launcher, shoot, name, cut_into):
+    """The picture by them and without them sees the same place of the surface everywhere."""
+    shot = shoot(load(name).with_changes(size=(64, 36)), 1)
+    mesh, grid, whole = cut(shot.sequence, cut_into), shot.grid(), Strip(0, 36)
+    projection = screen_projection(shot.view.camera, 36, 64)
+    less = sampled(launcher, mesh, projection, grid)
+    assert len(less.triangles) < len(mesh.triangles)
+    seen, found = (
+        visibility(launcher, on_screen(launcher, each, projection), grid, whole).numpy() for each in (mesh, less)
+    )
+    assert np.array_equal(seen >= 0, found >= 0)
+    hit = seen >= 0
+    assert np.array_equal(mesh.triangles[seen[hit]], less.triangles[found[hit]])
+
+
+def test_a_still_eye_keeps_its_mesh_and_another_does_not(shoot):
+    still, driven = (shoot(load(name).with_changes(size=(64, 36)), 0) for name in ("road-shift", "road-drive"))
+    assert still.at(3).triangles is still.triangles
+    assert still.at(3).view.origin != still.view.origin
+    assert driven.at(3).mesh is not driven.mesh
+    assert np.array_equal(driven.at(3).mesh.positions, shoot(driven.sequence, 3).mesh.positions)

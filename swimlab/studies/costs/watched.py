@@ -1,0 +1,70 @@
+"""A launcher that notes how long each kernel ran."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import warp as wp
+
+from metrics.kernels.launch import Launcher
+from swimlab.studies.trials import Stage, Variant
+from swimlab.studies.turns import Task
+
+
+class WatchedLauncher(Launcher):
+    """On the CPU a kernel's time is that of its thread, which other programs do not lengthen; on a GPU it is the
+    clock's, and the launcher waits for each kernel."""
+
+    def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
+        super().__init__(threads=threads, device=device)
+        self._noted: list[tuple[str, float]] = []
+
+    def start(self, command: Any) -> None:
+        """Start a recorded launch and note its time."""
+        began = self._now()
+        super().start(command)
+        self._noted.append((kernel_name(command.kernel), 1e3 * (self._now() - began)))
+
+    def take(self) -> Mapping[str, float]:
+        """Milliseconds of all threads by kernel since the last call."""
+        spent: dict[str, float] = defaultdict(float)
+        noted, self._noted = self._noted, []
+        for name, ms in noted:
+            spent[name] += ms
+        return spent
+
+    def _now(self) -> float:
+        if self.device == "cpu":
+            return time.thread_time()
+        wp.synchronize_device(self.device)
+        return time.perf_counter()
+
+
+class Frame(NamedTuple):
+    """Milliseconds of all threads by kernel, and evaluations of the model."""
+
+    kernels: Mapping[str, float]
+    shaded: int
+
+
+def watched_frames(stage: Stage, variant: Variant, launcher: WatchedLauncher) -> tuple[Task, list[Frame]]:
+    """Rendering one frame, the next of the sequence each turn, mesh and set-up included; and what is noted of each."""
+    render, noted = variant.begin(), list[Frame]()
+
+    def prepare(turn: int) -> Callable[[], object]:
+        launcher.take()
+
+        def run() -> None:
+            picture = render(stage.shot(stage.frames[0] + turn))
+            noted.append(Frame(launcher.take(), picture.shaded))
+
+        return run
+
+    return prepare, noted
+
+
+def kernel_name(kernel: wp.Kernel) -> str:
+    """The kernel's name, or that of the function which makes it for each case."""
+    function: Any = kernel.func
+    return str(function.__qualname__).split(".")[0]
