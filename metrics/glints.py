@@ -23,44 +23,45 @@ class Few(NamedTuple):
     rms: float
 
 
-@dataclass
-class Errors:
-    """Counts and sums of squared errors by size."""
+def largest(pixels: NDArray[np.float64], sums: NDArray[np.float64], share: float = SHARE) -> Few:
+    """What the largest errors make of all, from their counts and sums by size, the smallest first.
 
-    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros(_BINS))
-    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros(_BINS))
-
-    def add(self, squared: NDArray[np.float32]) -> None:
-        """Take in squared errors [n], finite and at or above 0."""
-        place = np.ascontiguousarray(squared).view(np.uint32) >> _SHIFT
-        self._pixels += np.bincount(place, minlength=_BINS)
-        self._sums += np.bincount(place, squared, minlength=_BINS)
-
-    def largest(self, share: float = SHARE) -> Few:
-        """What the largest errors make of all; of the last of their bins as many count as are still wanted."""
-        pixels, sums = self._pixels[::-1], self._sums[::-1]
-        wanted = share * pixels.sum()
-        taken = np.clip(wanted - (np.cumsum(pixels) - pixels), 0.0, pixels)
-        total = sums.sum()
-        largest = float(np.divide(taken * sums, pixels, out=np.zeros(_BINS), where=pixels > 0).sum())
-        return Few(largest / total, float(np.sqrt(largest / wanted))) if total > 0 else Few(0.0, 0.0)
+    Of the last of their bins as many count as are still wanted.
+    """
+    pixels, sums = pixels[::-1], sums[::-1]
+    wanted, total = share * pixels.sum(), sums.sum()
+    taken = np.clip(wanted - (np.cumsum(pixels) - pixels), 0.0, pixels)
+    made = float(np.divide(taken * sums, pixels, out=np.zeros(len(sums)), where=pixels > 0).sum())
+    return Few(made / total, float(np.sqrt(made / wanted))) if total > 0 else Few(0.0, 0.0)
 
 
 @dataclass
 class Glints:
-    """The errors behind `frame.mse`, of all covered pixels, and behind `budget.mse`, of those that tiles reach."""
+    """Counts and sums of squared errors by size: of pixels that tiles reach, of other covered ones, and of the rest."""
 
-    _errors: dict[str, Errors] = field(default_factory=lambda: {name: Errors() for name in ("budget.mse", "frame.mse")})
+    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
+    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
 
     def add(self, error: NDArray[np.float32], covered: NDArray[np.bool_], reached: NDArray[np.bool_]) -> None:
-        """Take in a frame's error [3, H, W], and where it is covered and tiles reach, [H, W]."""
-        squared = np.square(error).mean(axis=0)
-        for errors, where in zip(self._errors.values(), (reached, covered), strict=True):
-            errors.add(squared[where])
+        """Take in a frame's error [3, H, W], finite; and where it is covered and, within that, tiles reach, [H, W]."""
+        squared = np.einsum("chw,chw->hw", error, error) / np.float32(3)
+        place = (squared.view(np.uint32) >> _SHIFT).astype(np.intp)
+        place += np.where(reached, 0, np.where(covered, _BINS, 2 * _BINS))
+        counts = (np.bincount(place.ravel(), each, minlength=3 * _BINS) for each in (None, squared.ravel()))
+        for kept, found in zip((self._pixels, self._sums), counts, strict=True):
+            kept += found.reshape(3, _BINS)
+
+    def few(self) -> dict[str, Few]:
+        """What the largest errors make of `budget.mse`, where tiles reach, and of `frame.mse`, where it is covered."""
+        (measured, other, _), (measured_sum, other_sum, _) = self._pixels, self._sums
+        return {
+            "budget.mse": largest(measured, measured_sum),
+            "frame.mse": largest(measured + other, measured_sum + other_sum),
+        }
 
     def notes(self) -> list[str]:
         """A sentence on the scores that a few pixels rule; none where none is."""
-        ruled = {name: few for name, errors in self._errors.items() if (few := errors.largest()).share > RULES}
+        ruled = {name: few for name, few in self.few().items() if few.share > RULES}
         if not ruled:
             return []
         said = " and ".join(f"{few.share:.0%} of {name}" for name, few in ruled.items())

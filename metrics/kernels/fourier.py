@@ -71,7 +71,7 @@ _CODE = """
         lanes a, b;
 %(transposition)s
     };
-    alignas(64) Number one[N*W], other[N*W], upright[N*W];
+    alignas(64) Number one[N*W], other[N*W];
     const int channels = picture.shape[0], height = picture.shape[1], width = picture.shape[2];
     const int* const corner = (const int*)corners.data + 2*(index/channels);
     const float* pixels = (const float*)picture.data + ((long)(index%%channels)*height + corner[0])*width + corner[1];
@@ -87,7 +87,8 @@ _CODE = """
     float sum = 0.0f;
     for (int lane = 0; lane < L; ++lane) sum += level[lane];
     ((float*)mean.data)[index] = sum;
-    const Number* const z = transformed(one, other);
+    Number* const z = transformed(one, other);
+    Number* const upright = z == one ? other : one;
     // Apart again, since the spectrum of what is real is symmetric, and transposed. The rows 0 and H, which are real
     // themselves, go as the two parts of one.
     for (int k = 0; k < W; ++k)
@@ -106,7 +107,7 @@ _CODE = """
                 upright[(H + k*L + c)*W + top/L] = Number{parts[2][c], parts[3][c]};
             }
         }
-    const Number* const y = transformed(upright, one);
+    const Number* const y = transformed(upright, z);
     const float *cosine = (const float*)phase.data, *sine = cosine + N*(H + 1);
     float* const to = (float*)spectra.data + (long)index*2*N*(H + 1);
     const auto store = [&](int row, int column, lanes re, lanes im) {

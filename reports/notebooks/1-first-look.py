@@ -11,6 +11,8 @@
 # %% [markdown]
 # # 1 First look at a sequence
 #
+# **How do I see that shading flickers, and how do I put a number on it?**
+#
 # A glossy road slides by under the camera, a fraction of a pixel a frame. Nothing else changes: no light moves, no
 # surface changes. So whatever changes *on the road* from frame to frame is a fault of the shading technique. This
 # notebook renders the road under four techniques, looks at them, and reads the scores.

@@ -11,6 +11,8 @@
 # %% [markdown]
 # # 2 What each measure means
 #
+# **What does a score say, and can I believe it?**
+#
 # Toy signals of which the answer is known, through the same measures as any rendered clip. Nothing is rendered
 # here: `metrics` takes frames and the motion of the surface, and gives scores.
 
@@ -54,6 +56,7 @@ _ = figure.legend(loc="outside right upper")
 # %% [markdown]
 # *What to see:* five bars of one length, so MSE and PSNR call them equal. Only the glued error has no flicker: it
 # looks like another texture. All others move against the surface, and the eye sees them at once.
+# [Other metrics](../other-metrics.md) has what SSIM, FLIP, ColorVideoVDP and VMAF make of the five.
 
 # %%
 share = {kind: found["flicker"] / sum(found.values()) for kind, found in parts.items()}

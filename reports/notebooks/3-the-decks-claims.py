@@ -11,10 +11,11 @@
 # %% [markdown]
 # # 3 The deck's claims, one by one
 #
+# **Is it true that filtered inputs are wrong and that texture-space lighting is right, and at what cost?**
+#
 # *Implementation of Reflectance Models for Games, Part II: Techniques* by Peter-Pike Sloan and Dan Baker argues
 # that filtering the inputs of a non-linear shading is wrong, and that lighting should be done in texture space.
-# Each claim is told here in our words, and held to our numbers. Where it does not hold, this
-# is said.
+# Each claim is told here in our words and held to our numbers, which say whether it holds.
 #
 # The clips are small so that this runs in seconds; [Beyond the deck](../beyond-the-deck.md) has the same at full
 # size.

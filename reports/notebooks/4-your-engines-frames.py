@@ -11,6 +11,8 @@
 # %% [markdown]
 # # 4 Measure your engine's frames
 #
+# **What do I have to write out of my engine to know how much of its picture flickers?**
+#
 # All you need is what an engine can write: frames, and motion vectors. With a reference (the same shot with many
 # samples) there is the whole error budget; without one there is residual flicker. This notebook plays both parts:
 # it makes an engine's frames, writes them as an engine would, and measures them as footage.

@@ -11,6 +11,8 @@
 # %% [markdown]
 # # 5 Write a technique in one file
 #
+# **I have an idea against aliasing: how do I try it, and does it beat what is there?**
+#
 # A technique is an order of two operations: filter and shade. Here we write a new one, a hack that studios use:
 # **fade the gloss**. Where a pixel covers many texels, make the highlight broader, by a knob that an artist turns.
 # Is it better than fading the *normals*, as the level-of-detail hack does?

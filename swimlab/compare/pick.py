@@ -20,6 +20,7 @@ MAIN = (
     "scale.mean_drift",
     "flip*.mean",
     "vdp.jod",
+    "vmaf.mean",
 )
 """What is looked at if nothing else is said: the whole picture's scores, and no bands of distance."""
 

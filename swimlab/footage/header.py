@@ -37,8 +37,7 @@ class Header:
     """size: width, height of the picture (EXR: of its display window).
 
     unassociated: the colours are not premultiplied. full_scale: codes from black to white of integers that do not use
-    their whole range (video), else None. pixel_aspect: a pixel's width over its
-    height.
+    their whole range (video), else None. pixel_aspect: width of a pixel over its height.
     """
 
     size: tuple[int, int]

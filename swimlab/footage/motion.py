@@ -95,7 +95,8 @@ class FieldMotion:
         return np.moveaxis(travelled[::-1].reshape(2, height, width), 0, 2).astype(np.float32)
 
     def known(self, start: int, stop: int) -> Known | None:
-        if self.vectors.whole:
+        backward = self.convention.direction == "backward"
+        if self.vectors.whole(range(stop + 1, start + 1) if backward else range(stop, start)):
             return None
         if start == stop + 1 and self.convention.direction == "backward":
             return self.vectors.known(start)

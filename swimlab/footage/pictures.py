@@ -88,9 +88,10 @@ class BroughtPictures:
         if frame not in self._numbers:
             raise FrameError(f"{source.reader.name}: has no frame {frame} any more; measure the frames again")
         index = self._numbers.index(frame)
-        coverage = np.ones(source.shape, np.float32) if source.measured is None else source.measured(index)
-        rgba = np.dstack([source.picture(index), coverage]).astype(np.float32)
-        return rgba if rows is None else rgba[slice(*rows)]
+        wanted = slice(*(rows or (None,)))
+        colour = source.picture(index, rows=wanted)
+        coverage = np.ones(colour.shape[:2], np.float32) if source.measured is None else source.measured(index)[wanted]
+        return np.dstack([colour, coverage]).astype(np.float32)
 
     def motion(self, frames: Sequence[int]) -> Moved:
         with self._lock:
@@ -100,7 +101,8 @@ class BroughtPictures:
         check_unchanged({what: given for what, given in self._inputs.items() if what in moving})
         indices = [self._numbers.index(frame) for frame in frames]
         request = next(iter(self._requests.values()))
-        found = open_motion(request, test, reference, indices, match=_as_measured, note=_unheard, say=_unheard).motion
+        pair = indices[:2]  # of all that there are only these are looked through ahead of need
+        found = open_motion(request, test, reference, pair, match=_as_measured, note=_unheard, say=_unheard).motion
 
         def moved(frame: int) -> Image:
             place = frames.index(frame)

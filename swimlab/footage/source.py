@@ -107,26 +107,26 @@ class Source:
         """What is wrong with frames, by index, as far as headers tell."""
         return self.reader.problems(self.part, self._channels_read)
 
-    def picture(self, index: int) -> Image:
-        """[H, W, 3] linear radiance, 0 where it is not measured and no finite number.
+    def picture(self, index: int, *, rows: slice = slice(None)) -> Image:
+        """[H, W, 3] linear radiance, or some of its rows; 0 where it is not measured and no finite number.
 
         Raises FrameError naming the frame, also for NaN, Inf and values of no picture.
         """
-        stored = self._read(index)
+        stored = self._read(index)[rows]
         colour = stored[..., : len(self.channels)]
         if self._alpha is not None and self.look.alpha == "unpremultiply" and not self.reader.header.unassociated:
             alpha = stored[..., -1:]
             colour = np.where(alpha > 0, colour / np.where(alpha > 0, alpha, 1), 0)
-        colour = self._usable(colour, index)
+        colour = self._usable(colour, index, rows)
         radiance = self._decoded(colour)
         return np.asarray(np.broadcast_to(radiance, (*radiance.shape[:2], 3)))
 
-    def _usable(self, colour: Image, index: int) -> Image:
+    def _usable(self, colour: Image, index: int, rows: slice) -> Image:
         """Colours without what is not measured and not finite. Raises FrameError where that is measured."""
         usable = np.abs(colour) <= BRIGHTEST
         if usable.all():
             return colour
-        unmeasured = False if self.measured is None else (self.measured(index) <= 0)[..., None]
+        unmeasured = False if self.measured is None else (self.measured(index)[rows] <= 0)[..., None]
         check_usable(np.where(unmeasured, 0, colour), self.reader.label(index))
         return np.where(usable, colour, np.float32(0))
 

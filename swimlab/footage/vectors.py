@@ -42,8 +42,8 @@ class Vectors:
         """size: width and height of the frames; None: that of the vectors. crop: in the frames' px."""
         self.reader = reader
         self.size = size or reader.header.size
-        self.whole = False
-        """Whether all vectors are known to be known; `survey` finds out."""
+        self._surveyed: frozenset[int] = frozenset()
+        self._unknown: frozenset[int] = frozenset()
         self._part = part
         self._channels = channels
         self._convention = convention
@@ -82,8 +82,12 @@ class Vectors:
                     f"{self.reader.label(index)}: none of its motion vectors is known: all are NaN, masked or not "
                     "written; mend the frame or its mask, or leave it out with --frames"
                 )
-        self.whole = not found
+        self._surveyed, self._unknown = frozenset(wanted), frozenset(found)
         return found
+
+    def whole(self, indices: Iterable[int]) -> bool:
+        """Whether the last survey found all vectors known, in these frames too."""
+        return not self._unknown and self._surveyed.issuperset(indices)
 
     def _read(self, index: int) -> tuple[Image, Known]:
         """Values [h, w, 2] as stored, and where they are known."""

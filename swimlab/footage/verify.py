@@ -19,6 +19,7 @@ from swimlab.footage.check.baseline import Scale, fit_scale
 from swimlab.footage.check.events import FEW, every_nth, find_cuts, repeated_frames, stray_shifts
 from swimlab.footage.check.grey import Frames
 from swimlab.footage.check.jitter import integrated
+from swimlab.footage.check.lucas_kanade import Values
 from swimlab.footage.check.pairs import PairFit, fit_pairs
 from swimlab.footage.check.regions import find_region
 from swimlab.footage.check.verdict import Verification, events_said, region_said
@@ -40,6 +41,8 @@ SLIGHT = 0.1
 """Frames whose vectors are off by less than this do not refuse the motion, px."""
 _STEADY = 0.5
 """Vectors whose mean is under this share of their rms shake: they may be jitter and nothing else."""
+_EVEN = 0.1
+"""The picture moves as far in every pair if the deviation is less than this share of the mean."""
 _AS_GOOD = 1.2
 """A reading explains jitter if it leaves this many times what shifts of each frame leave at most."""
 
@@ -79,7 +82,9 @@ def verify(
         said = events_said(cuts, repeated, 0, number)
         return _doubt(Verification(cuts=tuple(cuts), repeated=tuple(repeated)), "no two frames belong together", said)
     scale = fit_scale(motion, grey, run)
-    weighing = weigh(motion, picture, coverage, run, factor.fitted(motion, scale))
+    others = factor.fitted(motion, scale)
+    others |= factor.per_new_frame(motion, len(shown) / len(frames)) if repeated else {}
+    weighing = weigh(motion, picture, coverage, run, others)
     found = Verification(
         residuals=weighing.residuals,
         residual=float(np.median([pair.given for pair in pairs])) if pairs else None,
@@ -93,6 +98,10 @@ def verify(
     refused = weighing.error()
     if refused and not (found.jitter and _shakes(weighing, pairs)):
         return _refuse(found, refused, said)
+    if found.jitter and repeated and _steps_evenly(pairs):
+        step = "{:.2g},{:.2g}".format(*(np.median(_moved(pairs), axis=0).round(3) + 0.0))
+        text = f"{said}; the picture moves by {step} px with each new frame, however long the one before was shown"
+        return _doubt(replace(found, verdict="partly", jitter=0.0), text, "")
     if found.jitter:
         text = (
             f"has a jitter of {found.jitter:.2g} px rms that the frames do not have, or the other way round: with each "
@@ -181,6 +190,17 @@ def _refuse(found: Verification, text: str, said: str) -> Verification:
 
 def _doubt(found: Verification, text: str, said: str) -> Verification:
     return replace(found, doubt="; ".join(filter(None, (text, said))))
+
+
+def _moved(pairs: list[PairFit]) -> Values:
+    """[n, 2] (x, y) px that the picture moves in each pair."""
+    return np.array([pair.travel + pair.shift for pair in pairs])
+
+
+def _steps_evenly(pairs: list[PairFit]) -> bool:
+    """Whether the picture moves as far in every pair, as film shown at a video's rate does."""
+    moved = _moved(pairs)
+    return bool(np.hypot(*moved.std(axis=0)) < _EVEN * np.hypot(*moved.mean(axis=0)))
 
 
 def _shakes(weighing: Weighing, pairs: list[PairFit]) -> bool:

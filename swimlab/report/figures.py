@@ -117,11 +117,11 @@ def _change(entries: Sequence[Entry], inks: Mapping[str, Ink]) -> Figure:
         rows = [row for row in entry.get("frames", []) if row.get("change") is not None]
         roots = [math.sqrt(max(row["change"], 0)) for row in rows]
         lines.append(Line(entry["technique"], [row["frame"] for row in rows], roots, *inks[entry["technique"]]))
+    what = "the error" if any("mse" in row for entry in entries for row in entry.get("frames", [])) else "the picture"
     return Figure(
         "Flicker over time",
         line_chart(lines, x=Axis("frame"), y=Axis("rms change since last frame", "log"), title="Flicker over time"),
-        "How much the error on the surface changes from frame to frame: calm stays low, a pop is a spike"
-        + _spike(lines),
+        f"How much {what} on the surface changes from frame to frame: calm stays low, a pop is a spike" + _spike(lines),
         _line_key(lines),
     )
 

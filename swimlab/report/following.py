@@ -10,9 +10,12 @@ from swimlab.footage.pictures import Moved
 from swimlab.runs.frames import Image
 
 ALIKE = 1.0
-"""A place whose own motion differs by more from that of what is followed shows another surface, px a frame."""
+"""A place whose own motion differs by more from that of what is followed shows another surface, px a frame; but for
+what the camera changes in the motion of all."""
 
 _NEAR, _ROUNDS = 0.01, 30
+_GRID = 16
+_STRIP = 64
 
 
 def follow(points: Points, anchor: int, frames: Sequence[int], moved: Moved) -> NDArray[np.float64]:
@@ -23,21 +26,23 @@ def follow(points: Points, anchor: int, frames: Sequence[int], moved: Moved) -> 
     """
     places = np.full((len(frames), *points.shape), np.nan)
     places[anchor] = points
-    field = moved(frames[anchor])
-    start = sample(field, points)
-    place, velocity = points, start
-    for t in range(anchor, 0, -1):
-        if t < anchor:
-            own = sample(moved(frames[t]), place)
-            seen = _alike(own, velocity)
-            velocity = np.where(seen, own, velocity)
-            places[t] = np.where(seen & _inside(place, field.shape), place, np.nan)
+    middle = moved(frames[anchor])
+    start = sample(middle, points)
+    place, velocity, last = points - start, start, middle
+    for t in range(anchor - 1, 0, -1):
+        vectors = moved(frames[t])
+        expected = velocity + _shake(vectors, last)
+        own = sample(vectors, place)
+        seen = _alike(own, expected)
+        places[t] = np.where(seen & _inside(place, middle.shape), place, np.nan)
+        velocity, last = np.where(seen, own, expected), vectors
         place = place - velocity
-    places[0] = np.where(_inside(place, field.shape), place, np.nan)
-    place, velocity = points, start
+    places[0] = np.where(_inside(place, middle.shape), place, np.nan)
+    place, velocity, last = points, start, middle
     for t in range(anchor + 1, len(frames)):
         vectors = moved(frames[t])
-        there = place + velocity
+        expected = velocity + _shake(vectors, last)
+        there = place + expected
         for _ in range(_ROUNDS):
             better = place + sample(vectors, there)
             gone = float(np.nanmax(np.abs(better - there), initial=0.0))
@@ -45,10 +50,10 @@ def follow(points: Points, anchor: int, frames: Sequence[int], moved: Moved) -> 
             if gone < _NEAR:
                 break
         own = sample(vectors, there)
-        seen = _alike(own, velocity) & (np.abs(there - own - place) < _NEAR).all(axis=0)
-        velocity = np.where(seen, own, velocity)
+        seen = _alike(own, expected) & (np.abs(there - own - place) < _NEAR).all(axis=0)
+        velocity, last = np.where(seen, own, expected), vectors
         place = place + velocity
-        places[t] = np.where(seen & _inside(place, field.shape), place, np.nan)
+        places[t] = np.where(seen & _inside(place, middle.shape), place, np.nan)
     return places
 
 
@@ -58,9 +63,14 @@ def warped(before: Image, moved: Image) -> Image:
     NaN where it does not show the surface or that is not known; channels are as they come.
     """
     height, width = moved.shape[:2]
-    points = np.indices((height, width), dtype=np.float64).reshape(2, -1)
-    places = points - moved[..., ::-1].reshape(-1, 2).T
-    return read_at(before, places).reshape(height, width, -1)
+    shown = np.empty((height, width, before.shape[2]), np.float32)
+    for top in range(0, height, _STRIP):
+        strip = moved[top : top + _STRIP]
+        points = np.indices(strip.shape[:2], dtype=np.float64).reshape(2, -1) + np.array([[top], [0]])
+        shown[top : top + _STRIP] = read_at(before, points - strip[..., ::-1].reshape(-1, 2).T).reshape(
+            *strip.shape[:2], -1
+        )
+    return shown
 
 
 def read_at(picture: Image, places: Points, top: int = 0) -> Image:
@@ -84,7 +94,15 @@ def read_at(picture: Image, places: Points, top: int = 0) -> Image:
 
 def same_surface(now: Image, before: Image) -> NDArray[np.bool_]:
     """[H, W], whether the frame before, which moved as `before` says [H, W, 2], shows the surface that moved so now."""
-    return np.asarray(np.abs(warped(before, now) - now).max(axis=2) <= ALIKE)
+    shake = _shake(before, now)[::-1, 0].astype(np.float32)
+    return np.asarray(np.abs(warped(before, now) - now - shake).max(axis=2) <= ALIKE)
+
+
+def _shake(field: Image, other: Image) -> Points:
+    """[2, 1] (y, x), by how much one field differs from another at most pixels: what the camera changes."""
+    change = (field[::_GRID, ::_GRID] - other[::_GRID, ::_GRID]).reshape(-1, 2)
+    known = change[np.isfinite(change).all(axis=1)]
+    return np.median(known, axis=0)[::-1, None].astype(np.float64) if len(known) else np.zeros((2, 1))
 
 
 def _alike(one: Points, other: Points) -> NDArray[np.bool_]:

@@ -21,7 +21,6 @@ from swimlab.report.clips import (
     liveliest,
     outwards,
 )
-from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
 from swimlab.report.figures import figures, speed
 from swimlab.report.maps import maps
 from swimlab.report.motion_map import checked_motion, motion_map
@@ -31,30 +30,33 @@ from swimlab.report.recorded import ReportError, Run, open_run
 from swimlab.report.sentences import listed
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
-from swimlab.report.worst import worst, worst_frames
+from swimlab.report.viewer import caption, picture_json
+from swimlab.report.worst import worst
 from swimlab.runs.columns import MARKS
 from swimlab.runs.files import clear_leftovers, replacing_folder, write_text
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.resolution import LEGEND
 
-BY_FRAME = ("mse", "frame_mse", "change")
-"""By which of an entry's values frames are ranked: the first that is known."""
+CHARTS = 500_000
+"""Bytes that the pictures in the charts of a run take."""
 
 SCRIPTS = ("pictures.js", "view.js", "screen.js", "beside.js", "pointer.js", "viewer.js", "charts.js")
 
 
 def write_report(
-    runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int = BUDGET
+    runs: Sequence[Path], scores: Mapping[str, Any], destination: Path, *, picture_budget: int | None = None
 ) -> None:
     """Write the page of one or more run folders, one sequence each, whole or not at all.
 
-    scores: the content of scores.json. picture_budget: bytes of embedded pictures, all runs together.
+    scores: the content of scores.json. picture_budget: bytes of the viewer's pictures, all runs together; None: what
+    leaves room for those of the charts.
     Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity and for two runs of
     one sequence, and FrameError for a missing frame.
     """
     _refuse_nan(scores)
     opened = _open(runs)
-    clips = choose_clips(opened, scores["sequences"], picture_budget)
+    budget = max(BUDGET // 4, BUDGET - CHARTS * len(opened)) if picture_budget is None else picture_budget
+    clips = choose_clips(opened, scores["sequences"], budget)
     clear_leftovers(destination.parent, destination.name)
     write_text(destination, _page(opened, scores, clips))
 
@@ -121,6 +123,7 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             settings=[(run.sequence, json.dumps(run.settings, indent=2)) for run in opened],
             metrics=METRICS,
             legend=LEGEND,
+            domain=scores.get("provenance", {}).get("domain", "linear"),
             marks=MARKS,
             pictures=Markup(picture_json(clips, entries, pick)),
             theme=Markup(_static("theme.js")),
@@ -131,28 +134,6 @@ def _page(opened: Sequence[Run], scores: Mapping[str, Any], clips: Sequence[Clip
             wide=[clip.run.sequence for clip in clips if clip.wide and clip.region is None],
         )
     )
-
-
-def picture_json(clips: Sequence[Clip], entries: Sequence[Mapping[str, Any]], pick: str) -> str:
-    """What the viewer needs, as JSON that may stand inside a script element. pick: the technique to show first."""
-    content = {
-        "error": {"range": ERROR_RANGE, "steps": ERROR_STEPS, "colours": ERROR_COLOURS},
-        "first": _first(clips),
-        "pick": pick,
-        "reference": REFERENCE,
-        "clips": [_viewer_clip(clip, entries) for clip in clips],
-    }
-    return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _first(clips: Sequence[Clip]) -> int:
-    """The place of the clip to open on: whole pictures of what moves at one size, else a detail, else anything."""
-
-    def worth(place: int) -> tuple[bool, bool]:
-        clip = clips[place]
-        return len(clip.run.frames) > 1 and not clip.run.resizes, clip.region is None
-
-    return max(range(len(clips)), key=worth, default=0)
 
 
 def flatten(tree: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
@@ -196,7 +177,7 @@ def _section(
         "motion": checked_motion(mine),
         "score_names": names,
         "entries": mine,
-        "clips": [_caption(clip) for clip in clips if clip.run is run],
+        "clips": [caption(clip) for clip in clips if clip.run is run],
     }
 
 
@@ -212,56 +193,6 @@ def _notes(entries: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 def _techniques(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]]) -> list[str]:
     rendered = (name for run in runs for name in run.techniques)
     return list(dict.fromkeys([*rendered, *(entry["technique"] for entry in entries)]))
-
-
-def _caption(clip: Clip) -> str:
-    first, last = clip.frames[0], clip.frames[-1]
-    which = f"frame {first}" if first == last else f"frames {first} to {last}"
-    if clip.region is None:
-        size = f" at 1/{clip.shrunk} of its size" if clip.shrunk > 1 else ""
-        return f"whole picture{size}, {which} of {len(clip.run.frames)}"
-    x, y, width, height = clip.region
-    return f"detail {width}x{height} at ({x}, {y}), {which} of {len(clip.run.frames)}"
-
-
-def _viewer_clip(clip: Clip, entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    mine = [entry for entry in entries if entry["sequence"] == clip.run.sequence]
-    by_frame = {entry["technique"]: dict(worst_frames(entry.get("frames", []), *BY_FRAME)) for entry in mine}
-    return {
-        "sequence": clip.run.sequence,
-        "name": f"{clip.run.sequence}: {_caption(clip)}",
-        "folder": clip.folder,
-        "fps": clip.run.fps,
-        "techniques": clip.run.techniques,
-        "frames": clip.frames,
-        "region": clip.region,
-        "shrunk": clip.shrunk,
-        "wide": clip.wide,
-        "tone": _tone(clip.run, mine),
-        "farthest": _farthest(mine),
-        "compared": clip.compared,
-        "sizes": [clip.sizes[frame] for frame in clip.frames],
-        "pictures": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.pictures.items()},
-        "errors": {name: [texts[frame] for frame in clip.frames] for name, texts in clip.errors.items()},
-        "squared": {name: [by_frame.get(name, {}).get(frame) for frame in clip.frames] for name in clip.run.techniques},
-        "is": "error" if REFERENCE in clip.run.techniques else "change",
-        "worst": {name: next(iter(rows)) for name, rows in by_frame.items() if rows},
-    }
-
-
-def _tone(run: Run, entries: Sequence[Mapping[str, Any]]) -> str:
-    """The tone map by which the scores saw the pictures, else that of the sequence's [display]; "none" clips."""
-    shown = [entry["display"] for entry in entries if "display" in entry] or [run.settings.get("display", {})]
-    return str(shown[0].get("tone_map", "none"))
-
-
-def _farthest(entries: Sequence[Mapping[str, Any]]) -> str:
-    """The technique that errs most, or without errors flickers most; "" where neither is known."""
-    for score in ("budget.mse", "frame.mse", "residual.flicker"):
-        known = [each for each in entries if score in each["scores"] and each["technique"] != REFERENCE]
-        if known:
-            return str(max(known, key=lambda each: float(each["scores"][score]))["technique"])
-    return ""
 
 
 def _by_run(runs: Sequence[Run]) -> dict[str, Any]:

@@ -28,6 +28,12 @@ SIDE = 64
 NAMED = 3
 """Worst frames that are named."""
 
+SHOWN = 6
+"""Techniques that are shown, at most: those whose worst frame is worst."""
+
+ERROR, CHANGE = ("mse", "frame_mse"), ("change", "edges_flicker")
+"""By which of an entry's values frames are ranked: the first that is known."""
+
 WIDTH = 420
 GAP = 6
 HEAD = 38
@@ -73,27 +79,35 @@ def worst(run: Run, entries: Sequence[Entry], clips: Sequence[Clip]) -> list[Fig
     """
     if run.resizes:
         return []
-    tests = [each for each in entries if each["technique"] != REFERENCE and each["technique"] in run.techniques]
-    told = "The square of largest squared difference in each {}\u2019s worst frame; "
+    names = [name for name in run.techniques if name != REFERENCE]
+    tests = [{"frames": [], **each} for each in entries if each["technique"] in names]
+    of = "the error" if REFERENCE in run.techniques else "the picture"
     drawn = []
-    for title, find, sentence in (
-        ("Worst errors", _error, "at the right test \u2212 reference, grey where there is none."),
-        (
-            "Worst flicker",
-            _flicker,
-            "at the right what {} changes on the surface from the frame before, grey for none.",
-        ),
+    for title, keys, find, right in (
+        ("Worst errors", ERROR, _error, "test \u2212 reference"),
+        ("Worst flicker", CHANGE, _flicker, f"what of {of} changes on the surface from the frame before"),
     ):
-        found = [each for each in (find(run, entry) for entry in tests) if each is not None]
+        shown = _worst_of(tests, keys)
+        found = [each for each in (find(run, entry) for entry in shown) if each is not None]
         if found:
-            what = "of the error" if REFERENCE in run.techniques else "of the picture"
-            words = (told + sentence).format(run.pictures.called, what)
-            drawn.append(Figure(title, _drawn(title, run, found, clips), words, []))
+            less = f", of the {len(shown)} worst of {len(tests)}" if len(shown) < len(tests) else ""
+            sentence = (
+                f"The square of largest squared difference in each {run.pictures.called}\u2019s worst frame{less}; "
+                f"at the right {right}, grey where there is none."
+            )
+            drawn.append(Figure(title, _drawn(title, run, found, clips), sentence, []))
     return drawn
 
 
+def _worst_of(tests: Sequence[Entry], keys: Sequence[str]) -> list[Entry]:
+    """Those with the worst frames, in the order given."""
+    worst_of = {test["technique"]: frames[0][1] for test in tests if (frames := worst_frames(test["frames"], *keys))}
+    names = sorted(worst_of, key=lambda name: -worst_of[name])[:SHOWN]
+    return [test for test in tests if test["technique"] in names]
+
+
 def _error(run: Run, entry: Entry) -> Worst | None:
-    frames = worst_frames(entry.get("frames", []), "mse", "frame_mse")
+    frames = worst_frames(entry["frames"], *ERROR)
     if not frames or REFERENCE not in run.techniques:
         return None
     frame, name = frames[0][0], entry["technique"]
@@ -105,9 +119,7 @@ def _error(run: Run, entry: Entry) -> Worst | None:
 
 
 def _flicker(run: Run, entry: Entry) -> Worst | None:
-    frames = [
-        pair for pair in worst_frames(entry.get("frames", []), "change", "edges_flicker") if pair[0] in run.frames[1:]
-    ]
+    frames = [pair for pair in worst_frames(entry["frames"], *CHANGE) if pair[0] in run.frames[1:]]
     if not frames:
         return None
     frame, name = frames[0][0], entry["technique"]
@@ -146,7 +158,7 @@ def _drawn(title: str, run: Run, found: Sequence[Worst], clips: Sequence[Clip]) 
     for each in found:
         x, y, width, height = each.region
         first, *others = each.frames
-        then = f", then frames {' and '.join(map(str, others))}" if len(others) > 1 else ""
+        then = f", then {', '.join(map(str, others))}" if others else ""
         at = f"frame {first} at ({x}, {y}), rms {number(each.rms)}"
         said = drawn_text(0, top + 14, f"{each.technique}: {at}{then}", "start")
         address = _address(run, each, clips)

@@ -31,6 +31,7 @@ COLUMNS = {
     "FLIP": ("flip.mean", float),
     "FLIP (oiio)": ("flip-oiio.mean", float),
     "JOD": ("vdp.jod", float),
+    "VMAF": ("vmaf.mean", float),
 }
 """Heading -> the score behind it and how it is shown; squared radiance is shown as its root, as radiance."""
 
@@ -38,7 +39,7 @@ HIGHER, NEITHER = "↑", "·"
 MARKS = f"lower is better but where {HIGHER} says higher and {NEITHER} neither"
 """What the marks behind headings mean."""
 
-UPWARDS = {"vdp.jod"}
+UPWARDS = {"vdp.jod", "vmaf.mean"}
 """Scores of peers of which more is better; METRICS knows it of ours."""
 
 

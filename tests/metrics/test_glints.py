@@ -4,22 +4,27 @@ import numpy as np
 import pytest
 
 from metrics import Clip, measure
-from metrics.glints import SHARE, Errors
+from metrics.glints import SHARE, Glints
 
 SIZE, COUNT = 96, 4
 
 
 def test_the_largest_errors_are_those_of_a_sorted_list(tolerance):
     """To within the width of a bin, a quarter of an octave."""
-    squared = np.random.default_rng(1).pareto(1.2, 50_000).astype(np.float32) ** 2
-    errors = Errors()
-    for part in np.array_split(squared, 7):
-        errors.add(part)
-    largest = np.sort(squared.astype(np.float64))[::-1][: round(SHARE * len(squared))].sum()
-    few = errors.largest()
-    assert few.share == pytest.approx(largest / squared.sum(dtype=np.float64), rel=tolerance("bin of squares"))
-    assert few.rms == pytest.approx(np.sqrt(largest / (SHARE * len(squared))), rel=tolerance("bin of squares"))
-    assert Errors().largest().share == 0.0
+    random = np.random.default_rng(1)
+    error = random.pareto(1.2, (7, 90, 80)).astype(np.float32)
+    covered, reached = random.random((2, 7, 90, 80)) < 0.7
+    reached &= covered
+    glints = Glints()
+    for frame, *masks in zip(error, covered, reached, strict=True):
+        glints.add(np.stack([frame] * 3), *masks)
+    for name, where in (("budget.mse", reached), ("frame.mse", covered)):
+        squared = np.sort(error[where].astype(np.float64) ** 2)[::-1]
+        exact = squared[: round(SHARE * len(squared))].sum()
+        few = glints.few()[name]
+        assert few.share == pytest.approx(exact / squared.sum(), rel=tolerance("bin of squares"))
+        assert few.rms == pytest.approx(np.sqrt(exact / (SHARE * len(squared))), rel=tolerance("bin of squares"))
+    assert Glints().few()["frame.mse"].share == 0.0
 
 
 def notes(glint, domain="linear", every=2000):

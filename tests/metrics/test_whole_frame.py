@@ -10,7 +10,7 @@ from metrics.levels import levels_of
 from metrics.synthetic import centres, texture
 
 HEIGHT, WIDTH, COUNT = 144, 224, 12
-X, Y = np.broadcast_arrays(*centres(HEIGHT, WIDTH))
+X, Y = centres(HEIGHT, WIDTH)
 DISC, GROUND = (2.1, -0.3), (-1.3, 0.4)
 RADIUS = 36.0
 PICTURES, ERRORS = (texture(1), texture(2)), (texture(3), texture(4))

@@ -25,7 +25,7 @@ def pair():
 def test_every_script_has_a_notebook_and_the_other_way_round(pair):
     assert [path.stem for path in pair.sources()] == NAMES
     assert sorted(path.stem for path in FOLDER.glob("*.ipynb")) == NAMES
-    assert len(NAMES) == 5
+    assert len(NAMES) == 6
 
 
 @pytest.mark.parametrize("name", NAMES)

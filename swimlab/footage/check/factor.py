@@ -74,6 +74,15 @@ def fitted(motion: Motion, scale: Scale | None) -> dict[str, tuple[str, Reading]
     return {name: (_setting(motion, factor, drift), ScaledMotion(motion, factor, drift))}
 
 
+def per_new_frame(motion: Motion, share: float) -> dict[str, tuple[str, Reading]]:
+    """The motion taken as one from a new frame to the next, as `Motion.variants` has it.
+
+    share: of the frames that are new; the others repeat the one before.
+    """
+    factor, none = np.full(2, share), np.zeros(2)
+    return {"from one new frame to the next": (_setting(motion, factor, none), ScaledMotion(motion, factor, none))}
+
+
 def _setting(motion: Motion, factor: NDArray[np.float64], drift: NDArray[np.float64]) -> str:
     if isinstance(motion, UniformMotion):
         x, y = np.array(motion.velocity) * factor + drift

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import Clip
+from metrics.display import encode
 from metrics.synthetic import KINDS, centres, error_clips, flicker_share, texture
 
 SIZE = (160, 120)
-COUNT = 24
+COUNT = 16
 MOTION = (23 / 32, 19 / 32)
 """px a frame of the five errors' surface."""
 LEVEL = 0.08
@@ -18,14 +19,15 @@ MIDDLE = 0.5
 ERROR = 0.3
 """Rms error of the five, as a share of the contrast."""
 
-STILL, CRAWLING = "an error glued to a silhouette", "a crawling silhouette"
-GLUED, GHOST = "an error glued to the surface beside it", "a ghost trail"
+STILL, CRAWLING = "a crawling silhouette's error, glued", "a crawling silhouette"
+GLUED, GHOST = "a ghost trail's error, glued", "a ghost trail"
 
 DISC, GROUND = (2.1, -0.3), (-1.3, 0.4)
 """px a frame of a disc and of what is behind it."""
 SAMPLES = 8
 _RADIUS = 36.0
-_BLUR = 3.0
+_INWARDS = 20.0
+"""px by which the glued error of a trail lies further right, on the disc."""
 
 Array = NDArray[np.float64]
 
@@ -51,14 +53,24 @@ def five_errors() -> list[Case]:
 
 
 def pairs() -> list[tuple[Case, Case]]:
-    """A calm error and one of the same energy that flickers or trails: at a silhouette, and behind it."""
+    """An error that flickers or trails, at a silhouette and behind it, and its first frame glued to the disc before it.
+
+    Both have one spectrum, about, and one energy as displayed.
+    """
     scene = _Scene()
-    crawling = [scene.point_sampled(t) - scene.exact(t) for t in range(COUNT)]
+    crawling = [scene.point_sampled(t) - scene.exact[t] for t in range(COUNT)]
     trail = [scene.trail(t) for t in range(COUNT)]
     return [
         (scene.case(STILL, scene.glued(crawling)), scene.case(CRAWLING, crawling)),
-        (scene.case(GLUED, scene.glued(trail)), scene.case(GHOST, trail)),
+        (scene.case(GLUED, scene.glued(trail, _INWARDS)), scene.case(GHOST, trail)),
     ]
+
+
+def _moved(picture: Array, dx: float, dy: float) -> Array:
+    """A picture [H, W, n] moved right and down, px, by the shift theorem: no energy of any wave is lost."""
+    fy, fx = (np.fft.fftfreq(length) for length in picture.shape[:2])
+    turn = np.exp(-2j * np.pi * (dy * fy[:, None] + dx * fx))[..., None]
+    return np.asarray(np.fft.ifft2(turn * np.fft.fft2(picture, axes=(0, 1)), axes=(0, 1)).real)
 
 
 def _dimmed(clip: Clip) -> Clip:
@@ -72,14 +84,14 @@ class _Scene:
     def __init__(self) -> None:
         self._x, self._y = np.broadcast_arrays(*centres(SIZE[1], SIZE[0]))
         self._textures = (texture(1), texture(2))
-        self._error = texture(3, limit=0.15)
+        self.exact = [self._covered(t) for t in range(COUNT)]
 
     def case(self, name: str, error: list[Array]) -> Case:
         """The exact pictures with an error [H, W, 3] a frame."""
-        test = Clip(lambda t: (self.exact(t) + error[t]).astype(np.float32), COUNT, motion=self._motion)
-        return Case(name, test, Clip(lambda t: self.exact(t).astype(np.float32), COUNT, motion=self._motion))
+        test = Clip(lambda t: (self.exact[t] + error[t]).astype(np.float32), COUNT, motion=self._motion)
+        return Case(name, test, Clip(lambda t: self.exact[t].astype(np.float32), COUNT, motion=self._motion))
 
-    def exact(self, t: int) -> Array:
+    def _covered(self, t: int) -> Array:
         """[H, W, 3]: each pixel has as much of the disc as it covers, by SAMPLES x SAMPLES points."""
         offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
         covered = np.mean([self._away(t, dx, dy) < 0 for dx in offsets for dy in offsets], axis=0)
@@ -95,13 +107,18 @@ class _Scene:
         before = 0.5 * (self._surfaces(t - 1)[0] - self._surfaces(t)[1])
         return np.where(left[..., None], before, 0.0)
 
-    def glued(self, other: list[Array]) -> list[Array]:
-        """An error about the disc's edge that moves with it, of the energy that another has over all frames."""
-        ours = []
-        for t in range(len(other)):
-            where = np.exp(-((self._away(t) / _BLUR) ** 2))[..., None]
-            ours.append(where * self._error.at(self._x - DISC[0] * t, self._y - DISC[1] * t))
-        return [float(np.sqrt(np.mean(np.square(other)) / np.mean(np.square(ours)))) * each for each in ours]
+    def glued(self, other: list[Array], right: float = 0.0) -> list[Array]:
+        """The first frame of an error, so much further right, moving with the disc; of the same energy as displayed."""
+        ours = [_moved(other[0], right + DISC[0] * t, DISC[1] * t) for t in range(len(other))]
+        for _ in range(2):  # codes are no linear function of radiance
+            factor = np.sqrt(self._displayed(other) / self._displayed(ours))
+            ours = [factor * each for each in ours]
+        return ours
+
+    def _displayed(self, errors: list[Array]) -> float:
+        """Mean squared error of sRGB codes."""
+        pairs = zip(self.exact, errors, strict=True)
+        return float(np.mean([np.mean((encode(exact + error) - encode(exact)) ** 2) for exact, error in pairs]))
 
     def _away(self, t: int, dx: float = 0.0, dy: float = 0.0) -> Array:
         """px to the disc's edge, negative inside."""

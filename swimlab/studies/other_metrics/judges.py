@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import log10, sqrt
+from math import isfinite, log10, sqrt
 
 import cv2
 import numpy as np
@@ -30,9 +30,10 @@ class Judge:
     def value(self, test: Clip, reference: Clip) -> float | str:
         """The value, or why there is none."""
         try:
-            return self.score(test, reference)
+            value = self.score(test, reference)
         except PeerError as error:
             return str(error)
+        return value if isfinite(value) else f"came out as {value}"
 
 
 def _psnr(test: Clip, reference: Clip) -> float:
@@ -70,8 +71,9 @@ def _warping_error(test: Clip, reference: Clip) -> float:
         squares = (displayed(test, t) - _taken(displayed(test, t - 1), there)) ** 2
         apart = ((there + _taken(back, there)) ** 2).sum(axis=2)
         share, least = _CONSISTENT
-        # Outside of the frame before nothing is finite, and so not seen.
         seen = apart < share * ((there**2).sum(axis=2) + (back**2).sum(axis=2)) + least
+        # Outside of the frame before nothing is finite.
+        seen &= np.isfinite(squares).all(axis=2)
         changes.append(float(squares[seen].mean()) if seen.any() else 0.0)
     return float(np.sqrt(np.mean(changes)))
 

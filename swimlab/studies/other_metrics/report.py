@@ -24,9 +24,10 @@ APART = 0.1
 
 LADDER = tuple(Variant(f"{n} sample{'s' if n > 1 else ''} a pixel", "supersample", {"samples": n}) for n in (1, 4, 16))
 """Fewer samples are worse in every way."""
-OTHER_TECHNIQUES = tuple(Variant(name, name) for name in ("pixel-trilinear", "lod-hack", "vmf", "taa", "tsl"))
+OTHER_TECHNIQUES = tuple(Variant(name, name) for name in ("lod-hack", "taa", "tsl"))
 REFERENCE_SAMPLES = 256
 _MOST = 1000
+_ROUNDING = 1e-6
 
 Column = dict[str, float | str]
 """A judge's value by the name of a clip, or why there is none."""
@@ -89,9 +90,12 @@ def _road(stage: Stage, variant: Variant) -> Case:
 
 
 def badness(judge: Judge, column: Column, case: str) -> float | None:
-    """How bad a judge says a clip is, 0 for the reference; None where it has no value."""
+    """How bad a judge says a clip is, 0 for the reference and for rounding; None where it has no value."""
     value = column[case]
-    return None if isinstance(value, str) else max(0.0, judge.worse(value))
+    if isinstance(value, str):
+        return None
+    worse = judge.worse(value)
+    return worse if worse > _ROUNDING else 0.0
 
 
 def times(judge: Judge, column: Column, calm: str, wild: str) -> float | None:
@@ -136,7 +140,7 @@ def _answer(
         "ghost trail, times glued",
         "samples in order",
     ]
-    said = f"Blind to all of it, or more pleased by what flickers: {', '.join(blind)}." if blind else ""
+    said = f"Blind to all of it, or more pleased by what flickers: {'; '.join(blind)}." if blind else ""
     return Section(
         "The answer",
         [
@@ -146,6 +150,8 @@ def _answer(
             "the same energy glued to its surface; 1 is blind to how it moves, and less prefers it; – is neither "
             "found. *Samples*: 1, 4 and 16 a pixel on the road, which differ in energy too: any metric should rank "
             f"these. A metric that did not run has dashes, and a reason at the end. {said}",
+            "Metrics that model the eye may well be right that an error which changes 60 times a second is less "
+            "visible than one that stands: they say how visible an error is, and not whether it flickers.",
             Table("answer", headings, rows),
         ],
     )

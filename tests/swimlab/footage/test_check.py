@@ -184,6 +184,25 @@ def test_repeated_frames_are_found_with_their_pattern(shown, named):
         assert found.verdict == "partly"
 
 
+PULLDOWN = [0, 0, 0, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 5, 5]
+THRICE = [t // 3 for t in range(15)]
+
+
+@pytest.mark.parametrize(("order", "average"), [(PULLDOWN, 1.0), (THRICE, 2.5 / 3)])
+def test_film_at_the_rate_of_video_is_measured_by_its_mean_motion(order, average):
+    """24 and 20 frames a second shown at 60: each new frame moves by 2.5 px, whatever was shown before it."""
+    content = moved((2.5, 0.0), max(order) + 1)
+    frames = [content[k] for k in order]
+    found = check(uniform((average, 0.0)), frames)
+    assert (found.verdict, found.error, found.jitter) == ("partly", "", 0.0)
+    assert "repeats the one before" in found.doubt
+    if order is PULLDOWN:
+        assert "moves by 2.5,0 px with each new frame, however long the one before was shown" in found.doubt
+    refused = check(uniform((2.5, 0.0)), frames)
+    assert refused.verdict == "wrong"
+    assert f"Use --motion {average:.4g},0" in refused.error
+
+
 def test_frames_that_are_repeated_without_order_are_listed():
     order = [0, 1, 2, 3, 3, 4, 5, 6, 7, 8, 9, 9, 9, 10, 11, 12]
     content = moved((1.5, 0.0))

@@ -7,6 +7,8 @@ import pytest
 from moving_wall import COUNT, HEIGHT, WIDTH, moved, picture, write
 
 from swimlab.footage.convention import PRESETS, Convention
+from swimlab.footage.fields import open_fields
+from swimlab.footage.header import Header, Part
 from swimlab.footage.motion import FieldMotion
 from swimlab.footage.request import Request
 from swimlab.footage.source import Box, Look
@@ -29,6 +31,9 @@ class Made:
 
     def label(self, index):
         return f"mv.{index:04d}.exr"
+
+    def problems(self, part, channels):
+        return {}
 
     def read(self, index, part, channels):
         return self._field(index)
@@ -231,12 +236,24 @@ def test_vectors_of_another_view_are_refused(swimlab, frames, tmp_path, size):
 
 
 @pytest.mark.parametrize("size", [(1129, 635), (1280, 720), (853, 480), (854, 480), (1024, 576), (3840, 2160)], ids=str)
-def test_sizes_of_upscalers_are_of_one_view(tmp_path, size):
+def test_sizes_of_upscalers_are_of_one_view(size):
     """1.7, 1.5, 2.25 rounded down and up, 1.875 times smaller, and twice as large as 1920x1080."""
-    write(tmp_path / "calm", lambda t: np.zeros((1080, 1920, 1)), ("Y",), count=2)
-    write(tmp_path / "mv", lambda t: np.zeros((size[1], size[0], 2)), ("X", "Y"), count=2)
-    subject, _ = subject_of(tmp_path / "calm", tmp_path / "mv", unverified=True)
-    assert subject.motion.moved(1, 0).shape == (1080, 1920, 2)
+    reader = Made(lambda t: np.zeros((size[1], size[0], 2), np.float32))
+    reader.header = Header(size, (Part("", ("X", "Y"), ("float", "float")),), "zip")
+    notes = []
+    motion = open_fields(
+        reader,
+        PRESETS["own"],
+        size=(1920, 1080),
+        kept=[0, 1],
+        crop=None,
+        mask=None,
+        part=None,
+        note=notes.append,
+        say=notes.append,
+    )
+    assert motion.moved(1, 0).shape == (1080, 1920, 2)
+    assert any("resampled for frames of 1920x1080 px" in note for note in notes)
 
 
 def test_a_mask_of_vectors_has_a_channel_of_its_own(frames, tmp_path):

@@ -171,3 +171,15 @@ def test_bad_baselines_are_refused_by_file(swimlab, tmp_path, what):
     code, out, err = swimlab("gate", "gate.toml", "run")
     assert (code, out) == (2, "")
     assert message in err
+
+
+@pytest.mark.parametrize("file", ["gate.toml", "baseline.json", "run/scores.json"])
+def test_files_with_a_byte_order_mark_are_read(swimlab, tmp_path, file):
+    """As editors on Windows write them."""
+    write_scores(tmp_path / "run", entry(budget_mse=1.0))
+    write_gate(tmp_path / "gate.toml", COMPARING, baseline='file = "baseline.json"')
+    assert swimlab("baseline", "update", "gate.toml", "run")[0] == 0
+    marked = b"\xef\xbb\xbf" + (tmp_path / file).read_bytes().replace(b"\n", b"\r\n")
+    (tmp_path / file).write_bytes(marked)
+    code, _, err = swimlab("gate", "gate.toml", "run")
+    assert code == 0, err

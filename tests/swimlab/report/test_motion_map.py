@@ -77,5 +77,5 @@ def test_the_page_has_both_and_says_whose_a_note_is(run: Run) -> None:
     page = (run.folder / "report.html").read_text(encoding="utf-8")
     assert f"<h4>{TITLE}</h4>" in page
     assert "Motion (fields) fits the frames in part" in page
-    assert "Beware: said of all" in page
-    assert "Beware (pixel-point): said of one" in page
+    assert "Note: said of all" in page
+    assert "Note (pixel-point): said of one" in page

@@ -61,6 +61,14 @@ def test_the_page_names_every_technique_score_and_unit(page: str) -> None:
     assert "12.5" in page
 
 
+def test_the_page_says_what_its_values_are(page: str, run: Path, tmp_path: Path) -> None:
+    assert "Values are linear radiance" in page
+    write_report(
+        [run], make_scores() | {"provenance": {"domain": "display"}}, tmp_path / "display.html", picture_budget=0
+    )
+    assert "Values are display codes of 0 to 1 over" in (tmp_path / "display.html").read_text(encoding="utf-8")
+
+
 def test_the_page_says_where_its_frames_are(page: str) -> None:
     assert "rendered frames are in the run folder as EXR." in page
 

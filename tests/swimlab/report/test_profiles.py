@@ -12,7 +12,7 @@ from moving_wall import COUNT, moved, ndc, to_px, wall
 from occluder import Occluder
 from report_runs import FRAMES, SIZE, make_run
 
-from swimlab.report.following import follow
+from swimlab.report.following import follow, same_surface
 from swimlab.report.profiles import profile, profiles
 from swimlab.report.recorded import Run, open_run
 from swimlab.runs.frames import frame_path, write_frame
@@ -99,6 +99,17 @@ def test_what_is_hidden_meanwhile_comes_back() -> None:
         assert not seen[near.all(axis=1)].any()
         np.testing.assert_allclose(places[t, 1, seen], x[seen])
     assert not np.isfinite(places[:, 1]).all()
+
+
+def test_a_camera_that_shakes_loses_nothing() -> None:
+    """The whole picture leaps by many pixels from one frame to the next; the surface is where it was taken."""
+    steps = np.array([[0, 0], [3, -2], [-9, 4], [14, 0], [-6, -3]])
+    row = np.stack([np.full(20, 75.0), np.arange(60, 80, dtype=np.float64)])
+    places = follow(row, 2, list(range(5)), lambda t: np.full((150, 150, 2), steps[t], np.float32))
+    away = steps.cumsum(axis=0) - steps[:3].sum(axis=0)
+    np.testing.assert_allclose(places, row + away[:, ::-1, None])
+    now, before = (np.full((40, 40, 2), step, np.float32) for step in steps[2:4])
+    assert same_surface(now, before)[5:-5, 10:-10].all()
 
 
 def test_a_surface_that_leaves_the_picture_is_lost() -> None:

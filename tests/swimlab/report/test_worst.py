@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from report_runs import FRAMES, SIZE, make_run
 from swimlab.report.clips import Clip
 from swimlab.report.following import same_surface, warped
 from swimlab.report.recorded import Run, open_run
-from swimlab.report.worst import SIDE, worst, worst_frames, worst_region
+from swimlab.report.worst import SHOWN, SIDE, worst, worst_frames, worst_region
 from swimlab.runs.frames import frame_path, write_frame
 
 VELOCITY = (2, -1)
@@ -66,7 +67,7 @@ def test_frames_come_worst_first_under_the_first_key_that_is_known() -> None:
 def test_a_planted_fault_is_found_framed_and_linked(run: Run) -> None:
     clips = [Clip(run, (0, 0, 96, 64), sizes={BAD: (96, 64)}), Clip(run, sizes={BAD: SIZE})]
     errors, flicker = worst(run, [ENTRY], clips)
-    assert re.search(rf"tsl: frame {BAD} at \(\d+, \d+\), rms 0.2, then frames 4 and 0", errors.svg)
+    assert re.search(rf"tsl: frame {BAD} at \(\d+, \d+\), rms 0.2, then 4, 0", errors.svg)
     assert f">frame {BAD - 1}<" in flicker.svg
     for figure in (errors, flicker):
         assert holds_spot(place_of(figure.svg))
@@ -81,6 +82,23 @@ def test_without_a_reference_what_moves_as_it_should_is_no_flicker(run: Run) -> 
     (flicker,) = worst(alone, [ENTRY], [])
     assert holds_spot(place_of(flicker.svg))
     assert "what of the picture changes on the surface" in flicker.sentence
+
+
+def test_of_many_the_worst_are_shown(run: Run) -> None:
+    names = [f"build-{n}" for n in range(SHOWN + 2)]
+    many = replace(run, techniques=(*names, "reference"), pictures=SimpleNamespace(**vars_of(run)))
+    entries = [
+        {**an_entry(mse=[0.0] * 3 + [0.01 * (1 + n)] + [0.0] * 2), "technique": name} for n, name in enumerate(names)
+    ]
+    (errors,) = worst(many, entries, [])
+    assert re.findall(r"(build-\d): frame", errors.svg) == names[2:]
+    assert f"the {SHOWN} worst of {SHOWN + 2}" in errors.sentence
+
+
+def vars_of(run: Run) -> dict[str, Any]:
+    """The pictures of a run, tsl's under every name."""
+    read = run.pictures.read
+    return {"called": "build", "read": lambda name, frame: read("reference" if name == "reference" else "tsl", frame)}
 
 
 def test_runs_without_frames_of_one_size_or_rows_have_no_worst(run: Run) -> None:
