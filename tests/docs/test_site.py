@@ -160,6 +160,14 @@ def test_the_glossary_is_in_order_and_each_term_stands_once():
     assert [term.lower() for term in terms] == sorted({term.lower() for term in terms})
 
 
+def test_charts_that_are_explained_are_those_of_the_report():
+    guide = (ROOT / "docs" / "guides" / "report.md").read_text(encoding="utf-8").partition("## Charts")[2]
+    named = [name for row in re.findall(r"^\| ([A-Z][^|]*) \|", guide, re.MULTILINE) for name in row.split("; ")]
+    drawn = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "swimlab" / "report").rglob("*.py"))
+    assert len(named) > 10
+    assert [name for name in named if name not in drawn] == []
+
+
 def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 150
 

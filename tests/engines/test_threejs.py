@@ -13,7 +13,7 @@ HOME = Path(__file__).parents[2] / "reports" / "engines" / "threejs"
 FRAMES = 4
 
 pytestmark = [
-    pytest.mark.may_skip("three.js comes from npm, which CI does not ask"),
+    pytest.mark.may_skip("three.js comes from npm, which not every machine has; `make test` asks it where it is"),
     pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed"),
     pytest.mark.skipif(
         not (HOME / "node_modules" / "three").is_dir(),

@@ -16,7 +16,6 @@ from swimlab.footage.upright import upright
 from swimlab.footage.video_times import even_times
 from swimlab.runs.frames import FrameError, write_channels
 
-pytestmark = pytest.mark.may_skip("CI does not install the extra video, whose libraries are large")
 with_av = pytest.mark.skipif(find_spec("av") is None, reason="needs the extra `video` (PyAV)")
 
 

@@ -9,7 +9,6 @@ from metrics import Clip, ClipError
 from swimlab.scoring.peer import PeerError
 from swimlab.scoring.peer_scores import peer_scores, peers
 
-pytestmark = pytest.mark.may_skip("CI does not install the extras flip and vdp, of which one brings PyTorch")
 needs_flip = pytest.mark.skipif(
     importlib.util.find_spec("flip_evaluator") is None, reason="flip-evaluator is not installed: extra 'flip'"
 )
@@ -50,11 +49,13 @@ def test_both_implementations_of_flip_agree(tolerance):
     assert one == pytest.approx(other, abs=tolerance("two FLIPs"))
 
 
+@pytest.mark.may_skip("CI does not install the extra vdp, which brings PyTorch")
 @needs_vdp
 def test_equal_clips_are_of_the_best_quality():
     assert peer_scores("vdp", uniform("red", 8), uniform("red", 8)) == {"vdp.jod": 10.0}
 
 
+@pytest.mark.may_skip("CI does not install the extra vmaf, which brings a whole ffmpeg")
 @needs_vmaf
 def test_vmaf_falls_with_noise():
     """Equal clips have nearly 100: the model is fitted, not exact."""
