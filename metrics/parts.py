@@ -10,7 +10,7 @@ from metrics.spans import Span
 from metrics.tiles import Level
 
 # Pixels transformed at a time: small enough that all work on a batch stays in the cache.
-BATCH = 2**16
+BATCH = 2**17
 
 
 @dataclass(frozen=True)
