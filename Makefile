@@ -49,7 +49,7 @@ docs: .venv/writers .venv/installed
 
 # three.js for the test of its example, where npm and Chromium are. Without it the test is skipped and says so.
 $(THREEJS): reports/engines/threejs/package.json
-	if command -v npm > /dev/null && command -v chromium > /dev/null; then npm install --prefix $(@D) --no-audit --no-fund && touch $@; fi || true
+	if command -v npm > /dev/null && command -v chromium > /dev/null; then npm install --prefix $(@D) --no-audit --no-fund --fetch-retries=1 --fetch-timeout=30000 && touch $@; fi || true
 
 clean:
 	rm -rf .venv runs site

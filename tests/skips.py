@@ -1,4 +1,4 @@
-"""In CI (where $CI is set) a skipped test fails, unless its marker `may_skip` says why it may be skipped."""
+"""Where $SWIMLAB_NO_SKIPS is set, as in CI, a skipped test fails, unless its marker `may_skip` says why it may be skipped."""
 
 import os
 from collections.abc import Generator
@@ -11,7 +11,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     """The report of a test, failed where it was skipped and must not be."""
     report = yield
     skipped = report.skipped and not hasattr(report, "wasxfail")
-    if skipped and os.environ.get("CI") and item.get_closest_marker("may_skip") is None:
+    if skipped and os.environ.get("SWIMLAB_NO_SKIPS") and item.get_closest_marker("may_skip") is None:
         report.outcome = "failed"
         report.longrepr = f"skipped in CI without the marker may_skip: {report.longrepr}"
     return report

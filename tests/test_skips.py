@@ -29,7 +29,7 @@ def test_a_skip_without_a_reason_in_its_marker_fails_in_ci(tmp_path: Path, ci: s
     (tmp_path / "test_it.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    may_skip(reason): why\n", encoding="utf-8")
     words = [sys.executable, "-m", "pytest", "-p", "skips", "-p", "no:cacheprovider", "-p", "no:swimlab", str(tmp_path)]
-    environment = os.environ | {"CI": ci, "PYTHONPATH": str(Path(__file__).parent)}
+    environment = os.environ | {"SWIMLAB_NO_SKIPS": ci, "PYTHONPATH": str(Path(__file__).parent)}
     ended = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert counts in ended.stdout, ended.stdout + ended.stderr
     assert ended.returncode == (1 if ci else 0)
