@@ -18,6 +18,7 @@ from scipy import ndimage, special
 
 from metrics.levels import rows_of
 from metrics.measurement import Context, Measurement, Metric
+from metrics.parts import BATCH
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level, window
@@ -77,7 +78,8 @@ class Moire:
         self._here = 0
 
     def held(self, level: Level) -> float:
-        return level.held  # at worst every tile has a strip of its own
+        # At worst every tile has a strip of its own, or every piece all strips.
+        return level.held * min(1.0, STRIPS * level.size**2 / BATCH)
 
     def begin(self, span: Span) -> None:
         self._size = span.levels[0].size if span.levels else 0

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from swimlab.footage.colour_tags import stated_space
-from swimlab.runs.frames import FrameError, Image, oiio_name
+from swimlab.runs.frames import FrameError, Image, oiio_name, read_wanted
 
 _SQUARE = 1e-3
 """Pixels whose sides differ by less, as a share, are square."""
@@ -100,11 +100,11 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
     absent = [name for name in channels if name not in names]
     if absent:
         raise FrameError(f"{path}: has no channel {', '.join(absent)}; it has {', '.join(names)}")
-    pixels = source.read_image(part, 0, 0, len(names), oiio.FLOAT)
+    wanted = [names.index(name) for name in channels]
+    chosen = read_wanted(lambda first, stop: source.read_image(part, 0, first, stop, oiio.FLOAT), wanted)
     source.close()
-    if pixels is None:
+    if chosen is None:
         raise FrameError(f"{path}: is damaged: {source.geterror().strip()}")
-    chosen = np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)
     return _in_display_window(chosen, spec)
 
 

@@ -1,7 +1,7 @@
 """Frame files: RGBA pictures and geometry as EXR through OpenImageIO, and pictures to look at as PNG."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -120,15 +120,28 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
     missing = [name for name in channels if name not in names]
     if missing:
         raise FrameError(f"{path}: has no channel {', '.join(missing)}; it has {', '.join(names)}")
+    wanted = [names.index(name) for name in channels]
     if rows is None:
-        pixels = source.read_image(0, 0, 0, len(names), oiio.FLOAT)
+        pixels = read_wanted(lambda first, stop: source.read_image(0, 0, first, stop, oiio.FLOAT), wanted)
     else:
-        top = source.spec().y
-        pixels = source.read_scanlines(0, 0, top + rows[0], top + rows[1], 0, 0, len(names), oiio.FLOAT)
+        top, bottom = (source.spec().y + row for row in rows)
+        pixels = read_wanted(
+            lambda first, stop: source.read_scanlines(0, 0, top, bottom, 0, first, stop, oiio.FLOAT), wanted
+        )
     source.close()
     if pixels is None:
         raise FrameError(f"{path}: is damaged: {source.geterror()}")
-    return np.ascontiguousarray(pixels[..., [names.index(name) for name in channels]], np.float32)
+    return pixels
+
+
+def read_wanted(read: Callable[[int, int], Image | None], wanted: Sequence[int]) -> Image | None:
+    """Channels by their numbers [H, W, len(wanted)], float32, from what reads a run of them; None if it gives None."""
+    first, stop = min(wanted), max(wanted) + 1
+    pixels = read(first, stop)
+    if pixels is None:
+        return None
+    chosen = pixels if list(wanted) == list(range(first, stop)) else pixels[..., [each - first for each in wanted]]
+    return np.ascontiguousarray(chosen, np.float32)
 
 
 COMPRESSION = 6
