@@ -1,4 +1,4 @@
-"""Where $SWIMLAB_NO_SKIPS is set, as in CI, a skipped test fails, unless its marker `may_skip` says why it may be skipped."""
+"""Where $SWIMLAB_NO_SKIPS is set, as in CI, a skipped test fails unless its marker `may_skip` says why it may be."""
 
 import os
 from collections.abc import Generator
