@@ -44,6 +44,7 @@ class Technique:
 
     memory: for a technique whose frames build on earlier ones, makes a renderer that keeps what the next frame needs.
         Its pictures are the same, and frames rendered in order cost one frame each.
+    recursive: whether a frame that is rendered alone costs all frames before it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Technique:
     render: Render
     settings: type[Settings] = Settings
     memory: Callable[[], Render] | None = None
+    recursive: bool = False
 
     def begin(self) -> Render:
         """The renderer for a run: shots of one sequence under one set of settings."""

@@ -54,15 +54,14 @@ Chunks = dict[str, list[Chunk]]
 def cut(plan: Plan, frames: int) -> Chunks:
     """A plan in chunks of so many frames.
 
-    Before a chunk's first frame a technique that remembers (`taa`) renders all from the clip's start on, so that the
+    Before a chunk's first frame a recursive technique (`taa`) renders all from the clip's start on, so that the
     same bits come out however it is cut. Its chunks double in length, so that this at most doubles its work.
     """
     sequence = plan.sequence.model_dump(mode="json")
     folder = str(plan.sequence.folder.absolute())
     chunks: Chunks = {}
     for name in (GEOMETRY, *plan.techniques):
-        remembers = name != GEOMETRY and techniques()[name].memory is not None
-        remembers = remembers and not plan.sequence.motion.resizes
+        recursive = name != GEOMETRY and techniques()[name].recursive and not plan.sequence.motion.resizes
         content, code = _content(plan, name), own_code().get(name)
         if code is not None:
             content["code"] = code
@@ -70,7 +69,7 @@ def cut(plan: Plan, frames: int) -> Chunks:
             Chunk(
                 hash_of({**content, "frames": span}), sequence, folder, name, span, plan.samples, plan.half, code=code
             )
-            for span in spans(plan.frames, frames, doubling=remembers)
+            for span in spans(plan.frames, frames, doubling=recursive)
         ]
     return chunks
 

@@ -136,4 +136,5 @@ TECHNIQUE = Technique(
     render=render,
     settings=TaaSettings,
     memory=Accumulation,
+    recursive=True,
 )
