@@ -14,10 +14,14 @@
 # **Which of two builds flickers more, where, when, and is the difference more than chance?**
 #
 # You changed a shader, and the new build *looks* calmer. This notebook measures both builds against one reference,
-# by a shot file, and answers each part of the question. The engine is played by twenty lines of NumPy; the
-# three.js example in [reports/engines](../engines/README.md) writes the same folders from a real one.
+# by a shot file, and answers each part of the question.
+#
+# It takes the three.js example of [reports/engines](../engines/README.md) where that was rendered, by `python
+# reports/engines/threejs/run.py -o runs/threejs` and then `SWIMLAB_SHOT=runs/threejs/shot.toml jupyter lab`. Else
+# twenty lines of NumPy play the engine.
 
 # %%
+import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -38,6 +42,8 @@ from swimlab.runs.scores import read_scores
 # reference at 8x8. Motion vectors are what engines write: how far the surface in a pixel moved since the last frame.
 
 # %%
+SHOT = os.environ.get("SWIMLAB_SHOT")
+MAIN, CANDIDATE = ("aliased", "filtered") if SHOT else ("main", "candidate")
 WIDTH, HEIGHT, COUNT = 224, 128, 16
 DISC, GROUND = np.array([1.3, -0.4]), np.array([-0.72, 0.59])  # px a frame, right and down
 PATTERNS = [texture(seed, limit=0.8, waves=8) for seed in (1, 2)]  # waves of up to 0.8 cycles a pixel
@@ -60,7 +66,7 @@ def drawn(t, points):
 
 temporary = TemporaryDirectory(prefix="swimlab-builds-")  # gone when Python ends
 folder = Path(temporary.name)
-for t in range(COUNT):
+for t in range(0 if SHOT else COUNT):
     for name, points in (("main", 1), ("candidate", 2), ("reference", 8)):
         picture, motion = drawn(t, points)
         write_channels(folder / name / f"{t:04d}.exr", picture.astype("f4"), ("R", "G", "B"), half=True, metadata={})
@@ -89,17 +95,17 @@ frames = "candidate/####.exr"
 """,
     encoding="utf-8",
 )
-shot = swimlab.study(folder / "shot.toml")
+shot = swimlab.study(Path(SHOT or folder / "shot.toml").absolute(), techniques=[MAIN, CANDIDATE])
 shot
 
 # %% [markdown]
 # ## Which flickers more?
 #
 # *What to see:* a row a build. `flicker` is what changes on the surface, `edge flicker` is what crawls along the
-# disc's silhouette, and `rms error` has both and what stands still. The candidate is better in all three.
+# silhouettes, and `rms error` has both and what stands still. The candidate is better in all three.
 
 # %%
-main, candidate = shot.scores["main"], shot.scores["candidate"]
+main, candidate = shot.scores[MAIN], shot.scores[CANDIDATE]
 for score in ("rms error", "flicker", "edge flicker"):
     assert candidate[score] < main[score], score
 
@@ -111,7 +117,7 @@ for score in ("rms error", "flicker", "edge flicker"):
 
 # %%
 entries = {entry["technique"]: entry for entry in read_scores(shot.folder)["sequences"]}
-sure = {name: resolved(name, entries["main"], entries["candidate"]) for name in ("budget.flicker", "edges.flicker")}
+sure = {name: resolved(name, entries[MAIN], entries[CANDIDATE]) for name in ("budget.flicker", "edges.flicker")}
 assert sure["budget.flicker"]
 sure
 
@@ -125,12 +131,12 @@ sure
 
 # %%
 figure, axes = plt.subplots(figsize=(8, 2.4), layout="constrained")
-for name, colour in (("main", "#d55e00"), ("candidate", "#0072b2")):
+for name, colour in ((MAIN, "#d55e00"), (CANDIDATE, "#0072b2")):
     rows = shot.by_frame[name]
     axes.plot([row["frame"] for row in rows], [row["mse"] ** 0.5 for row in rows], color=colour, label=name)
 axes.set(xlabel="frame", ylabel="rms error, radiance", ylim=0)
 _ = axes.legend()
-assert all(c["mse"] < m["mse"] for c, m in zip(shot.by_frame["candidate"], shot.by_frame["main"], strict=True))
+assert all(c["mse"] < m["mse"] for c, m in zip(shot.by_frame[CANDIDATE], shot.by_frame[MAIN], strict=True))
 
 # %% [markdown]
 # ## Where?
@@ -153,4 +159,4 @@ shot.errors(frame=5, region=region, zoom=4)
 
 # %%
 page = shot.report(folder / "report.html")
-assert "candidate" in page.read_text(encoding="utf-8")
+assert CANDIDATE in page.read_text(encoding="utf-8")
