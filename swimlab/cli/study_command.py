@@ -25,7 +25,7 @@ from swimlab.report.contact import write_contact_sheet
 from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
 from swimlab.runs.files import write_json
 from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.scores import merge_scores, refuse_rendered
+from swimlab.runs.scores import merge_scores, refuse_other
 from swimlab.sweep.shots import STORE, Asked, Shots
 
 ROAD = ("road-shift", "road-drive", "road-scale")
@@ -84,6 +84,9 @@ def study_command(
     if rendering.dry_run:
         print_plans(list(plans.values()), folders, force=rendering.force, json_output=json_output)
         return 0
+    for name, run in zip(titles, folders, strict=True):
+        if name in shots:
+            refuse_other(run, titles[name])
     builds = None if techniques is None else [name.strip() for name in techniques.split(",") if name.strip()]
     asked = {name: shot.requests(Path(name).parent, domain, builds=builds) for name, shot in shots.items()}
     if engine != "local":
@@ -115,8 +118,6 @@ def _measure_elsewhere(
 ) -> None:
     """Measure shots and write their runs on an engine. Raises RunError for what failed, when the rest is done."""
     out, show = output.absolute(), partial(progress, quiet=quiet)
-    for each in asked:
-        refuse_rendered(each.run)
     shots = Shots(each._replace(run=each.run.absolute()) for each in asked)
     threads = threads_of_task(engine, scheduler, None)
     with open_engine(engine, scheduler, None) as opened:

@@ -64,9 +64,13 @@ class RenderedPictures:
 
     def motion(self, frames: Sequence[int]) -> Moved:
         if self._velocity is not None:
-            same = np.broadcast_to(np.array(self._velocity, np.float32), (*self._size[::-1], 2))
-            return lambda frame: same
+            velocity, before = np.array(self._velocity, np.float32), dict(zip(frames[1:], frames, strict=False))
+            shape = (*self._size[::-1], 2)
+            return lambda frame: np.broadcast_to(velocity * (frame - before.get(frame, frame - 1)), shape)
         return lambda frame: read_geometry(frame_path(self._folder, GEOMETRY, frame)).motion
+
+
+Coverage = Callable[[int], Image]
 
 
 class BroughtPictures:
@@ -79,18 +83,21 @@ class BroughtPictures:
         self._inputs = record.inputs
         self._requests: Mapping[str, Request] = requests_of(record)
         self._opened: dict[str, Source] = {}
+        self._own: dict[str, Coverage | None] = {}
         self._numbers: tuple[int, ...] = ()
         self._lock = Lock()
 
     def read(self, technique: str, frame: int, *, rows: tuple[int, int] | None = None) -> Image:
         with self._lock:
             source = self._source(technique)
+            own = self._own[technique]
+            source.measured = least([*filter(None, [own, *(self._coverage_of(each) for each in self._met(technique))])])
         if frame not in self._numbers:
             raise FrameError(f"{source.reader.name}: has no frame {frame} any more; measure the frames again")
         index = self._numbers.index(frame)
         wanted = slice(*(rows or (None,)))
         colour = source.picture(index, rows=wanted)
-        coverage = np.ones(colour.shape[:2], np.float32) if source.measured is None else source.measured(index)[wanted]
+        coverage = np.ones(colour.shape[:2], np.float32) if own is None else own(index)[wanted]
         return np.dstack([colour, coverage]).astype(np.float32)
 
     def motion(self, frames: Sequence[int]) -> Moved:
@@ -127,9 +134,19 @@ class BroughtPictures:
                 source = open_reference(
                     open_frames(request.reference, frames=request.frames), request.reference_look, source
                 )
-            source.measured = _coverage(source, request)
+            self._own[technique] = _coverage(source, request)
             self._opened[technique] = source
         return self._opened[technique]
+
+    def _met(self, technique: str) -> list[str]:
+        """What a picture is measured against: where that is not measured, this need not be finite."""
+        if technique != REFERENCE:
+            return [REFERENCE] if REFERENCE in self._inputs else []
+        return [name for name, request in self._requests.items() if request.look.alpha not in (None, "ignore")]
+
+    def _coverage_of(self, technique: str) -> Coverage | None:
+        self._source(technique)
+        return self._own[technique]
 
 
 def _as_measured(reader: Reader, what: str, *, still: bool = False) -> None:
@@ -140,7 +157,7 @@ def _unheard(text: str) -> None:
     """What there is to say was said when the frames were measured."""
 
 
-def _coverage(source: Source, request: Request) -> Callable[[int], Image] | None:
+def _coverage(source: Source, request: Request) -> Coverage | None:
     """Where mask and alpha let the pictures of a source be measured; None: everywhere."""
     givers = [source.coverage] if source.has_coverage else []
     if request.mask is not None:

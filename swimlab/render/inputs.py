@@ -8,6 +8,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from swimlab.render.kernels.packet import each_resolved, resolved
+
 Map = NDArray[np.float32]
 
 
@@ -92,6 +94,13 @@ class Inputs:
     native: wp.Function | None = None
     otherwise: "Inputs | None" = None
     resolve_lanes: wp.Function | None = None
+
+    def after(self, fill: wp.Function, width: int, device: str) -> wp.Function:
+        """The filling of a packet with texels of `width` floats by a filter, and what they mean then."""
+        if self.resolve is None:
+            return fill
+        native = self.resolve_lanes if device == "cpu" else None
+        return resolved(fill, native or each_resolved(self.resolve, width), width)
 
 
 BOX = Inputs("box")

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from metrics.kernels.launch import Launcher, Strip
 from swimlab.render.atlas import Ints, Layout
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.packet import resolved
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with
@@ -172,9 +171,8 @@ class Lighting:
     def _filtered(self, inputs: Inputs | None = None) -> tuple[wp.Kernel, MipChain]:
         inputs = inputs or self.inputs
         chain = self.shot.material.chain(inputs)
-        fill = ISOTROPIC.fill(chain.floats, self.shot.launcher.device)
-        if inputs.resolve is not None:
-            fill = resolved(fill, inputs.resolve, chain.floats)
+        device = self.shot.launcher.device
+        fill = inputs.after(ISOTROPIC.fill(chain.floats, device), chain.floats, device)
         return light_tiles(fill, self.shot.shade_packet(inputs, chain.floats), chain.floats), chain
 
 

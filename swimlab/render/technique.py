@@ -12,7 +12,6 @@ from pydantic import Field
 
 from metrics.kernels.launch import Strip
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.packet import each_resolved, resolved
 from swimlab.render.kernels.samples import draw_samples, shade_samples
 from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
 from swimlab.render.settings import Settings
@@ -137,10 +136,7 @@ def core_of(shot: Shot, texture_filter: TextureFilter, inputs: Inputs) -> Core:
     inputs = shot.inputs(inputs)
     chain = shot.material.chain(inputs)
     width = chain.floats
-    fill = texture_filter.fill(width, shot.launcher.device)
-    if inputs.resolve is not None:
-        plain = inputs.resolve_lanes is None or shot.launcher.device != "cpu"
-        fill = resolved(fill, each_resolved(inputs.resolve, width) if plain else inputs.resolve_lanes, width)
+    fill = inputs.after(texture_filter.fill(width, shot.launcher.device), width, shot.launcher.device)
     return Core(fill, shot.shade_packet(inputs, width), width, [chain.texels, chain.shape, shot.sun])
 
 

@@ -7,6 +7,12 @@ from typing import NamedTuple
 
 from swimlab.runs.hashes import hash_file, hash_of
 
+UNTOLD = (
+    "$OCIO: depends on more than its own files, so that it cannot be told which scores are there; give a configuration "
+    "without variables, or measure one by one"
+)
+"""What is said where scores cannot be named by what they are made of."""
+
 _BUILT_IN = "ocio://"
 
 

@@ -83,6 +83,19 @@ def write_brought(run: Path, record: Record, scores: dict[str, Any]) -> None:
     write_content(run, scores)
 
 
+def refuse_other(run: Path, sequence: str) -> None:
+    """Raise RunError where a folder holds a rendered run, one of another shot, or the scores of several runs."""
+    refuse_rendered(run)
+    held = ""
+    if (run / "run.json").is_file():
+        name = Record.read(run).sequence.get("name")
+        held = "" if name == sequence else f"the run of {name}"
+    elif (run / "scores.json").is_file():
+        held = "the scores of several runs"
+    if held:
+        raise RunError(f"{run}: holds {held}; choose another folder with -o, or remove it")
+
+
 def refuse_rendered(run: Path) -> None:
     """Raise RunError where frames cannot be measured into a folder: it is a file, or holds a rendered run."""
     if run.is_file():

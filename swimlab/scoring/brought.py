@@ -59,7 +59,9 @@ def measure_brought(
     keys = {} if peers else keys_of_builds(requests, inputs, device=device)
     entries = store or run / STORE
     kept = kept_entries(run, keys, entries)
-    scores = None if earlier is None or len(kept) < len(requests) else _standing(run, earlier, name, requests, inputs)
+    scores = None
+    if earlier is not None and len(kept) == len(requests):
+        scores = _standing(run, earlier, name, requests, inputs, keys)
     if scores is not None:
         _tell(scores["sequences"], say, warn)
         return scores
@@ -90,7 +92,7 @@ def inputs_of(build: str, requests: Mapping[str, Request], inputs: Inputs) -> In
 
 
 def _standing(
-    run: Path, earlier: Record, name: str, requests: Mapping[str, Request], inputs: Inputs
+    run: Path, earlier: Record, name: str, requests: Mapping[str, Request], inputs: Inputs, keys: Mapping[str, str]
 ) -> dict[str, Any] | None:
     """The run's scores where they and its record are of these requests and files already.
 
@@ -98,8 +100,8 @@ def _standing(
     """
     try:
         scores = read_scores(run)
-        of = [(entry["sequence"], entry["technique"], "key" in entry) for entry in scores["sequences"]]
-        if scores["provenance"]["hash"] != earlier.hash or of != [(name, build, True) for build in requests]:
+        of = [(entry["sequence"], entry["technique"], entry["key"]) for entry in scores["sequences"]]
+        if scores["provenance"]["hash"] != earlier.hash or of != [(name, build, keys[build]) for build in requests]:
             return None
     except (RunError, KeyError, TypeError):
         return None

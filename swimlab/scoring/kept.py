@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from swimlab.runs.scores import read_scores
 
 _ROOMS = ("footage", "runs", "scoring")
 _PACKAGES = ("numpy", "scipy", "warp-lang", "opencv-contrib-python-headless", "OpenImageIO")
+_OPTIONAL = ("av",)
 _LOOK = ("name", "fps", "size", "seed", "viewing", "display")
 
 
@@ -129,4 +130,12 @@ def hash_of_code(*rooms: str) -> str:
     folders = [Path(metrics.__file__).parent, *(home / room for room in (*_ROOMS, *rooms))]
     paths = [path for folder in folders for path in sorted(folder.rglob("*"))]
     files = [path for path in paths if path.is_file() and path.suffix != ".pyc"]
-    return hash_of([[version(package) for package in _PACKAGES], [hash_file(path) for path in files]])
+    packages = [*map(version, _PACKAGES), *map(_version, _OPTIONAL)]
+    return hash_of([packages, [hash_file(path) for path in files]])
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

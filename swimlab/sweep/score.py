@@ -7,6 +7,7 @@ from typing import Any
 
 from metrics.display import Domain
 from swimlab.render.plan import Plan
+from swimlab.runs.configuration import UNTOLD, configuration
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import FrameError
 from swimlab.runs.hashes import hash_of
@@ -18,8 +19,15 @@ from swimlab.sweep.render import remove_damaged
 
 
 def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: Path) -> Path:
-    """File of a technique's scores, named by a hash over all that decides them: pictures and how they are looked at."""
+    """File of a technique's scores, named by a hash over all that decides them: pictures and how they are looked at.
+
+    Raises RunError where a view is of a configuration of OpenColorIO that depends on more than its files.
+    """
     sequence = plan.sequence
+    viewed = domain == "display" and sequence.display.view is not None
+    colour = configuration() if viewed else None
+    if colour is not None and not colour.whole:
+        raise RunError(UNTOLD)
     content = {
         "swimlab": SWIMLAB,
         "pictures": [chunk.digest for name in (technique, REFERENCE, GEOMETRY) for chunk in chunks[name]],
@@ -28,7 +36,7 @@ def score_path(plan: Plan, chunks: Chunks, technique: str, domain: Domain, out: 
         "viewing": sequence.viewing.model_dump(mode="json"),
         "display": sequence.display.model_dump(mode="json"),
         "seed": sequence.seed,
-    }
+    } | ({} if colour is None else {"colour": colour.digest})
     return out / "scores" / f"{hash_of(content)}.json"
 
 

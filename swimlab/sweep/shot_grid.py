@@ -76,12 +76,8 @@ class ShotWork:
     def finish(self, out: Path, engine: Engine, *, command: str, show: Show) -> Outcome:
         """Write the run folders of the configurations that are measured."""
         outcome = Outcome(failures=self._shots.write(out, engine, command=command, show=show))
-        runs = [each.run for each in self._shots.asked if all(build.path(out).is_file() for build in self._of(each))]
-        outcome.scores = [read_scores(run) for run in runs if (run / "scores.json").is_file()]
+        outcome.scores = [read_scores(run) for run in self._shots.written(out, outcome.failures)]
         return outcome
-
-    def _of(self, asked: Asked) -> list[Build]:
-        return [self._shots.builds[key] for key in self._shots.keys[asked.name].values()]
 
 
 def are_shots(sweep: Sweep) -> bool:

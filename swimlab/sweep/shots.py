@@ -9,15 +9,16 @@ from swimlab.footage.keys import as_keys
 from swimlab.footage.request import Request
 from swimlab.footage.sources import Inputs, check_unchanged, files_of, find_inputs, hash_inputs
 from swimlab.footage.subject import Subject
+from swimlab.runs.configuration import UNTOLD
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.brought import inputs_of, measure_brought
 from swimlab.scoring.footage import measure_build
-from swimlab.scoring.kept import hash_of_code, keep, keys_of_builds
+from swimlab.scoring.kept import keep, keys_of_builds
 from swimlab.sweep.engine import Engine, Task
 from swimlab.sweep.perform import Show, perform
 
-STORE = "scores"
-"""Folder of the entries, each named by its key."""
+STORE = ".scores"
+"""Folder of the entries, each named by its key; no shot can be called so."""
 
 
 class Asked(NamedTuple):
@@ -29,14 +30,13 @@ class Asked(NamedTuple):
 
 
 class Build(NamedTuple):
-    """A build to measure, all that a worker needs. key: of its scores. inputs: its files. code: what measures."""
+    """A build to measure, all that a worker needs. key: of its scores. inputs: its files."""
 
     key: str
     shot: str
     technique: str
     request: Request
     inputs: Inputs
-    code: str
 
     @property
     def frames(self) -> tuple[int, ...]:
@@ -57,7 +57,6 @@ class Shots:
         self.inputs: dict[str, Inputs] = {}
         self.keys: dict[str, dict[str, str]] = {}
         self.builds: dict[str, Build] = {}
-        code = hash_of_code()
         known: dict[str, Mapping[str, Any]] = {}
         for name, requests, run in self.asked:
             known |= files_of(Record.read(run).inputs) if (run / "run.json").is_file() else {}
@@ -65,13 +64,10 @@ class Shots:
             known |= files_of(inputs)
             keys = self.keys[name] = keys_of_builds(requests, inputs, device="cpu")
             if not keys:
-                raise RunError(
-                    "$OCIO: depends on more than its own files, so that it cannot be told which scores are there; "
-                    "give a configuration without variables, or measure the shots one by one"
-                )
+                raise RunError(UNTOLD)
             for build, key in keys.items():
                 own = inputs_of(build, requests, inputs)
-                self.builds.setdefault(key, Build(key, name, build, requests[build], own, code))
+                self.builds.setdefault(key, Build(key, name, build, requests[build], own))
 
     def measure(
         self, builds: Sequence[Build], out: Path, engine: Engine, *, threads: int | None, show: Show
@@ -86,21 +82,36 @@ class Shots:
 
     def write(self, out: Path, engine: Engine, *, command: str, show: Show) -> dict[Path, str]:
         """Write the run folders of the shots all of whose builds are measured; the failures by file."""
-        code = hash_of_code()
         tasks = [
-            Task(f"run-{each.name}", each.name, write_run, (each, out, self.inputs[each.name], code, command))
+            Task(
+                _writing(each), each.name, write_run, (each, out, self.inputs[each.name], self.keys[each.name], command)
+            )
             for each in self.asked
-            if all(self.builds[key].path(out).is_file() for key in self.keys[each.name].values())
+            if all(self.builds[key].path(out).is_file() for key in self._keys(each))
         ]
         return _in_keys(perform(tasks, out, engine, what="writing runs", show=show))
+
+    def written(self, out: Path, failures: Mapping[Path, str]) -> list[Path]:
+        """The run folders that were written, after these failures."""
+        asked = [each for each in self.asked if all(self.builds[key].path(out).is_file() for key in self._keys(each))]
+        failed = {path.stem for path in failures}
+        return [each.run for each in asked if _writing(each) not in failed]
+
+    def _keys(self, asked: Asked) -> Iterable[str]:
+        return self.keys[asked.name].values()
+
+
+def _writing(asked: Asked) -> str:
+    """The key of the task that writes a shot's run."""
+    return f"run-{asked.name}"
 
 
 def measure_into(build: Build, out: Path, threads: int | None) -> None:
     """Measure a build and write its entry beneath `out`; nothing where it is there.
 
-    Raises RunError where this is not the code that made the key, and all that measuring raises.
+    Raises RunError where this machine would make another key, and all that measuring raises.
     """
-    _check_code(build.code)
+    _check_keys({build.technique: build.request}, build.inputs, {build.technique: build.key})
     if build.path(out).is_file():
         return
     subject = Subject(build.request, lambda _: None, lambda _: None)
@@ -109,15 +120,18 @@ def measure_into(build: Build, out: Path, threads: int | None) -> None:
     keep(out / STORE, build.key, entry)
 
 
-def write_run(asked: Asked, out: Path, inputs: Inputs, code: str, command: str) -> None:
-    """Write a shot's run folder of the entries of its builds. Raises as `measure_brought` does."""
-    _check_code(code)
+def write_run(asked: Asked, out: Path, inputs: Inputs, keys: Mapping[str, str], command: str) -> None:
+    """Write a shot's run folder of the entries of its builds. Raises as `measure_into` and `measure_brought` do."""
+    _check_keys(asked.requests, inputs, keys)
     measure_brought(asked.requests, asked.run, sequence=asked.name, command=command, store=out / STORE, known=inputs)
 
 
-def _check_code(code: str) -> None:
-    if code != hash_of_code():
-        raise RunError("this machine measures by another version of swimlab, or of what it stands on; install the same")
+def _check_keys(requests: Mapping[str, Request], inputs: Inputs, keys: Mapping[str, str]) -> None:
+    if keys_of_builds(requests, inputs, device="cpu") != keys:
+        raise RunError(
+            "this machine measures by another version of swimlab, or of what it stands on, or by another $OCIO; "
+            "install, and set, the same"
+        )
 
 
 def _in_keys(failures: Mapping[Path, str]) -> dict[Path, str]:

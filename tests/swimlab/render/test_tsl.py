@@ -24,6 +24,7 @@ def matte(albedo):
 
 LEAN_TSL = [
     {"size": 16},
+    {"size": 16, "inputs": "vmf"},
     {"size": 64},
     {"size": 256},
     {"size": 256, "texels": "visible"},

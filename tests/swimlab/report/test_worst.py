@@ -76,6 +76,12 @@ def test_a_planted_fault_is_found_framed_and_linked(run: Run) -> None:
     assert 'href="#' not in worst(run, [ENTRY], clips[:1])[0].svg
 
 
+def test_motion_from_frames_that_are_left_out_is_of_all_of_them(run: Run) -> None:
+    moved = run.pictures.motion((0, 1, 4))
+    assert moved(1)[3, 5].tolist() == list(VELOCITY)
+    assert moved(4)[3, 5].tolist() == [3 * v for v in VELOCITY]
+
+
 def test_without_a_reference_what_moves_as_it_should_is_no_flicker(run: Run) -> None:
     """The noise itself changes at every pixel of the screen far more than the fault does."""
     alone = replace(run, techniques=("tsl",))

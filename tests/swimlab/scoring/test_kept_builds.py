@@ -2,12 +2,14 @@
 
 import json
 import os
+import shutil
 
 import numpy as np
 import pytest
-from small_shot import SHOT, SIDE, write_picture, write_shot
+from small_shot import COUNT, SHOT, SIDE, write_picture, write_shot
 
-from swimlab.scoring import footage, kept
+from swimlab.runs.record import RunError
+from swimlab.scoring import brought, footage, kept
 
 
 def write(path, seed):
@@ -108,6 +110,32 @@ def test_a_build_that_was_measured_when_another_failed_is_kept(study, shot, meas
     study("-q")
     assert measured == ["one", "two", "two"]
     assert not (shot.parent / "run" / "measured").exists()
+
+
+def test_scores_of_other_frames_that_a_kill_left_are_not_taken(study, shot, monkeypatch):
+    """Killed when all builds are measured anew, and before the run is written."""
+    study("-q")
+    for t in range(COUNT):
+        write(shot.parent / "two" / f"{t}.exr", t)
+    with monkeypatch.context() as patched:
+        patched.setattr(brought, "write_brought", lambda *_: (_ for _ in ()).throw(RunError("killed")))
+        study("-q", code=2)
+    study("-q")
+    found = entries(shot.parent / "run")
+    shutil.rmtree(shot.parent / "run")
+    study("-q")
+    assert entries(shot.parent / "run") == found
+
+
+def test_a_run_of_another_shot_or_of_several_is_not_written_over(study, shot):
+    study("-q")
+    run = shot.parent / "run"
+    before = (run / "scores.json").read_bytes()
+    shot.write_text(SHOT.replace('"corridor"', '"hall"'), encoding="utf-8")
+    assert "holds the run of corridor; choose another folder" in study("-q", code=2)
+    (run / "run.json").unlink()
+    assert "holds the scores of several runs" in study("-q", code=2)
+    assert (run / "scores.json").read_bytes() == before
 
 
 def test_a_file_that_changes_while_it_is_measured_is_told_and_nothing_is_kept(study, shot, monkeypatch):

@@ -9,10 +9,14 @@ from hypothesis import strategies as st
 from sequences import load
 from swimlab.render.geometry import describe_geometry
 from swimlab.render.plan import Plan
+from swimlab.runs.configuration import Configuration
+from swimlab.runs.record import RunError
+from swimlab.sweep import score
 from swimlab.sweep.chunk import cut, spans
 from swimlab.sweep.file import SweepError, load_sweep
 from swimlab.sweep.grid import configurations, name_of
 
+DOMAINS = ("linear", "display")
 HEAD = 'version = 1\nname = "s"\n'
 PLAIN = HEAD + 'sequences = ["road-shift"]\ntechniques = ["tsl", "pixel-aniso"]\n'
 
@@ -163,6 +167,20 @@ def test_a_technique_that_remembers_renders_no_frame_often(count, size):
     """What goes before the chunks is at most what is in them: chunks double."""
     parts = list(spans(tuple(range(count)), size, doubling=True))
     assert sum(part[0] for part in parts) <= count
+
+
+def test_scores_of_a_view_are_named_by_its_configuration(monkeypatch, tmp_path):
+    viewed = PLAN.sequence.with_changes(display={"view": "sRGB - Display/Raw"})
+    plan = Plan(viewed, ("taa",), (0, 1))
+    chunks = cut(plan, 1)
+    names = set()
+    for digest in "ab":
+        monkeypatch.setattr(score, "configuration", lambda digest=digest: Configuration(digest, whole=True))
+        names |= {score.score_path(plan, chunks | {"reference": []}, "taa", domain, tmp_path) for domain in DOMAINS}
+    assert len(names) == 3
+    monkeypatch.setattr(score, "configuration", lambda: Configuration("c", whole=False))
+    with pytest.raises(RunError, match="without variables"):
+        score.score_path(plan, chunks | {"reference": []}, "taa", "display", tmp_path)
 
 
 def test_only_techniques_that_remember_double():

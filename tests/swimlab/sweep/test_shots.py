@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import threading
 import time
@@ -11,6 +12,8 @@ import pytest
 from distributed import LocalCluster
 from small_shot import SHOT, write_shot
 
+from swimlab.footage.shot import load_shot
+from swimlab.runs.record import RunError
 from swimlab.sweep import engine, shots
 from swimlab.sweep.engine import ANY_PORT
 
@@ -78,7 +81,7 @@ def test_builds_on_an_engine_score_as_in_this_process(swimlab, home, measured, h
     assert [build for _, build in measured] == ["one", "two"]  # of two shots of the same frames
     plain, other = (scores(home / name / "scores.json") for name in ("plain", "engine"))
     assert other == plain
-    assert not list((home / "engine").glob("scores/*"))
+    assert not list((home / "engine").glob(".scores/*"))
     assert (home / "engine" / "report.html").is_file()
 
 
@@ -117,6 +120,26 @@ def test_a_sweep_of_builds_by_settings_measures_each_look_once(swimlab, home, me
     assert len(measured) == 3
 
 
+def test_a_second_sweep_measures_frames_that_changed(swimlab, home, measured):
+    words = ("sweep", home / "sweep.toml", "-o", home / "out", "-q")
+    assert swimlab(*words)[0] == 0
+    for path in (home / "one").iterdir():
+        shutil.copy(path, home / "two" / path.name)
+    assert swimlab(*words)[0] == 0
+    found = scores(home / "out" / "scores.json")
+    linear = "corridor_two.colorspace-linear"
+    assert found[linear, "two"]["scores"] == found[linear, "one"]["scores"]
+    assert measured[3:] == [("corridor_two.colorspace-linear", "two"), ("corridor_two.colorspace-srgb", "two")]
+
+
+def test_a_worker_that_would_make_another_key_refuses(home, monkeypatch):
+    request = load_shot(home / "corridor.toml").requests(home, None)
+    (build, _) = shots.Shots([shots.Asked("corridor", request, home / "run")]).builds.values()
+    monkeypatch.setenv("OCIO", "ocio://default")
+    with pytest.raises(RunError, match=r"another \$OCIO"):
+        shots.measure_into(build, home / "out", 1)
+
+
 def test_shares_of_a_sweep_of_shots_are_done_apart(swimlab, home, measured):
     words = ("sweep", home / "sweep.toml", "-o", home / "out", "-q")
     assert swimlab(*words, "--only", "2/3")[0] == 0
@@ -150,7 +173,7 @@ def test_a_mistaken_sweep_of_shots_is_told(swimlab, home, change, said):
 def kill_at_first_entry(out, process, killed, finished):
     """Kill a process when the first build is measured."""
     while not finished.is_set():
-        if list(out.glob("scores/*.json")):
+        if list(out.glob(".scores/*.json")):
             os.kill(process, signal.SIGKILL)
             killed.append(process)
             return
