@@ -130,7 +130,7 @@ def measure(
                 notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
     if longest < test.count:
         notes.append(f"frames are aligned in spans of {longest} at most: slower changes read as static")
-    found = Measurement(notes=notes + _travel_note(steps))
+    found = Measurement(notes=notes + (_travel_note(steps) if exact is not None else []))
     for each in measures:
         found.merge(each.finish())
     if every_pixel:
@@ -182,10 +182,11 @@ def _extent_note(scores: Mapping[str, float]) -> list[str]:
 
 
 def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:
+    """A warning where an error fixed to the screen would not show as one; where nothing moves it is none."""
     if steps is None or len(steps) < 2:
         return []
     travelled = float(np.hypot(*steps[1:].sum(axis=0)))
-    if travelled >= TRAVEL:
+    if travelled == 0 or travelled >= TRAVEL:
         return []
     return [
         f"the surface travels {travelled:.1f} px: an error fixed to the screen reads as flicker only in part "
