@@ -31,6 +31,7 @@ def as_keys(text: str) -> str:
     """
     text = re.sub(rf"--motion ({_NUMBER}),({_NUMBER})", r"motion.velocity = [\1, \2]", text)
     text = re.sub(r"--motion estimate\b", "motion.estimate = true", text)
+    text = re.sub(r"--frames (-?\d[\d,x-]*)", r'frames = "\1"', text)
     return re.sub(r"--([a-z]+(?:-[a-z]+)*)", _key, text)
 
 

@@ -271,8 +271,8 @@ class Subject:
         """Raise FrameError where an input has another size or number of frames than the test."""
         test = self.test.reader
         if reader.header.size != test.header.size:
-            sizes = "{}x{} px, the test {}x{} px".format(*reader.header.size, *test.header.size)
-            raise FrameError(f"--{what} {reader.name}: is {sizes}; they must match")
+            mine, other = ("{}x{} px".format(*each.header.size) for each in (test, reader))
+            raise FrameError(f"{test.name}: is {mine}, the {what} {reader.name} {other}; they must match")
         self._match_count(reader, what, still=still)
 
     def _match_count(self, reader: Reader, what: str, *, still: bool = False) -> None:
@@ -288,7 +288,9 @@ class Subject:
                     f"{has}as many, at uneven times, which number them to {test.numbers[-1]}: give one a time, those "
                     "without a frame too, or write the test at a constant rate"
                 )
-            raise FrameError(f"{has}{times} ({frame_range(test.numbers)}); they must match")
+            shared = sorted({*reader.numbers} & {*test.numbers})
+            mend = f": measure those that both have with --frames {frame_range(shared)}" if len(shared) > 1 else ""
+            raise FrameError(f"{has}{times} ({frame_range(test.numbers)}); they must match{mend}")
         if reader.numbers != test.numbers:
             self.note(
                 f"{what} frames {frame_range(reader.numbers)} go with test frames {frame_range(test.numbers)}, in order"

@@ -197,9 +197,13 @@ CASES = {
         nothing, ("measure", "--test", "good.3-9####.exr", "--skip-bad-frames"), "has 1 frame to measure",
     ),
     "a shorter reference": (
-        shorter_reference, (*TEST, "--reference", "bad.#.exr"), "has 3 frames (0-2), the test 4 (0-3)",
+        shorter_reference, (*TEST, "--reference", "bad.#.exr"),
+        "has 3 frames (0-2), the test 4 (0-3); they must match: measure those that both have with --frames 0-2",
     ),
-    "a smaller reference": (smaller_reference, (*TEST, "--reference", "bad.#.exr"), "is 40x40 px, the test 48x40 px"),
+    "a smaller reference": (
+        smaller_reference, (*TEST, "--reference", "bad.#.exr"),
+        "good.####.exr: is 48x40 px, the reference bad.#.exr 40x40 px; they must match",
+    ),
     "several layers": (several_layers, BAD, "which channels are the colour? It has fill.R"),
     "a layer that is not there": (several_layers, (*BAD, "--channels", "rim"), "has no channels or layer rim"),
     "two channels": (nothing, (*TEST, "--channels", "R,G"), "--channels R,G: give three channels"),
@@ -262,7 +266,7 @@ CASES = {
         nothing, (*TEST, "--crop", "40,0,20,20"), "--crop 40,0,20,20: does not lie within good.####.exr, 48x40",
     ),
     "a mask of another size": (
-        small_mask, (*TEST, "--mask", "mask.exr"), "--mask mask.exr: is 8x8 px, the test 48x40 px",
+        small_mask, (*TEST, "--mask", "mask.exr"), "is 48x40 px, the mask mask.exr 8x8 px; they must match",
     ),
     "an unknown colour space": (nothing, (*TEST, "--colorspace", "acse"), "no colour space 'acse'"),
     "an unknown domain": (nothing, (*TEST, "--domain", "log"), "log"),

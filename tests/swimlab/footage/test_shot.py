@@ -286,3 +286,54 @@ def test_drafts_of_any_name_are_shot_files(swimlab, shot):
     assert swimlab("init-shot", home, "--force")[0] == 0
     drafted = load_shot(home / "shot.toml")
     assert {build.frames for build in drafted.builds.values()} == {"error/f.####.exr", "\N{MOTORWAY}/f.####.exr"}
+
+
+def test_the_draft_of_a_rendered_run_is_studied_as_it_is(swimlab, tmp_path):
+    """Neither its geometry nor its error is a build."""
+    words = ("road-drive", "-t", "pixel-aniso,reference", "--size", "64x36", "--frames", "0-2")
+    code, _, err = swimlab("render", *words, "-o", tmp_path / "engine", "-q")
+    assert code == 0, err
+    assert swimlab("init-shot", tmp_path / "engine")[0] == 0
+    path = tmp_path / "engine" / "shot.toml"
+    drafted, text = load_shot(path), path.read_text(encoding="utf-8")
+    assert list(drafted.builds) == ["pixel-aniso"]
+    assert (drafted.motion.frames, drafted.motion.convention) == ("geometry/####.exr", "own")
+    assert text.count('# alpha = "mask"') == 2  # of the build and of the reference
+    assert '# frames = "error/####.exr"  # 3 frames, 64x36; no build' in text
+    code, _, err = swimlab("measure", path, "-o", tmp_path / "run", "-q")
+    assert code == 0, err
+    assert list(entries(tmp_path / "run")) == ["pixel-aniso"]
+
+
+def test_a_draft_leaves_out_builds_of_another_size_and_frames_without_colour(swimlab, shot):
+    for t in range(COUNT):
+        picture = np.ones((HEIGHT // 2, WIDTH, 3), np.float32)
+        write_channels(shot / "small" / f"f.{t:04d}.exr", picture, ("R", "G", "B"), half=False, metadata={})
+        normals = np.ones((HEIGHT, WIDTH, 3), np.float32)
+        write_channels(shot / "normals" / f"f.{t:04d}.exr", normals, ("N.X", "N.Y", "N.Z"), half=False, metadata={})
+    assert swimlab("init-shot", shot, "--force")[0] == 0
+    text = (shot / "shot.toml").read_text(encoding="utf-8")
+    assert sorted(load_shot(shot / "shot.toml").builds) == ["blink", "glued"]
+    assert "# left out: its frames are of 64x32 px, the shot is of 64x64\n# [builds.small]\n# frames" in text
+    assert '# frames = "normals/f.####.exr"  # 6 frames, 64x64; no build: they have no channels of colour' in text
+    assert "alpha =" not in text
+
+
+def test_a_draft_keeps_builds_where_the_reference_is_of_another_size(swimlab, shot):
+    for t in range(COUNT):
+        picture = np.ones((HEIGHT // 2, WIDTH, 3), np.float32)
+        write_channels(shot / "ref" / f"f.{t:04d}.exr", picture, ("R", "G", "B"), half=False, metadata={})
+    assert swimlab("init-shot", shot, "--force")[0] == 0
+    drafted = load_shot(shot / "shot.toml")
+    assert (sorted(drafted.builds), drafted.reference) == (["blink", "glued"], None)
+
+
+def test_a_build_that_holds_its_vectors_stays_a_build(swimlab, shot):
+    channels = ("R", "G", "B", "motion.X", "motion.Y")
+    for t in range(COUNT):
+        pixels = np.ones((HEIGHT, WIDTH, 5), np.float32)
+        write_channels(shot / "blink" / f"f.{t:04d}.exr", pixels, channels, half=False, metadata={})
+    assert swimlab("init-shot", shot, "--force")[0] == 0
+    drafted = load_shot(shot / "shot.toml")
+    assert sorted(drafted.builds) == ["blink", "glued"]
+    assert drafted.motion.frames == "blink/f.####.exr"

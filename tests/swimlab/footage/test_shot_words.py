@@ -5,12 +5,14 @@ import re
 import shutil
 from dataclasses import fields
 
+import numpy as np
 import pytest
-from small_shot import SHOT, write_shot
+from small_shot import COUNT, SHOT, SIDE, write_picture, write_shot
 
 from swimlab.cli.footage_options import Footage
 from swimlab.footage.keys import as_keys
 from swimlab.footage.shot import is_shot, load_shot, shot_schema
+from swimlab.runs.frames import write_channels
 
 
 @pytest.fixture
@@ -66,6 +68,33 @@ def test_keys_stand_for_options():
     assert (
         as_keys("--motion -0.5,1e-3 or --motion estimate") == "motion.velocity = [-0.5, 1e-3] or motion.estimate = true"
     )
+
+
+def test_a_range_stands_for_its_option():
+    assert as_keys("those with --frames 1-47x2") == 'those with frames = "1-47x2"'
+
+
+def test_a_build_of_another_size_is_named_with_both_sizes(swimlab, shot):
+    for t in range(COUNT):
+        write_picture(shot.parent / "two" / f"{t}.exr", np.ones((32, 40, 3)))
+    code, _, err = swimlab("study", shot, "-o", "run")
+    assert code == 2
+    assert re.search(r"two: \S+two\S* is 40x32 px, the reference \S+ref\S* 48x48 px", err)
+    assert "the test" not in err
+
+
+def test_motion_without_the_first_frame_says_which_frames_can_be_measured(swimlab, shot):
+    for t in range(1, COUNT):
+        vectors = np.broadcast_to(np.float32([1, 0]), (SIDE, SIDE, 2))
+        write_channels(shot.parent / "mv" / f"{t}.exr", vectors, ("motion.X", "motion.Y"), half=False, metadata={})
+    text = SHOT.replace("velocity = [1.0, 0.0]", 'frames = "mv"')
+    shot.write_text(text, encoding="utf-8")
+    code, _, err = swimlab("study", shot, "-o", shot.parent / "run")
+    remedy = 'frames = "1-2"'
+    assert (code, f"they must match: measure those that both have with {remedy}" in err) == (2, True)
+    shot.write_text(text.replace("version = 1\n", f"version = 1\n{remedy}\n"), encoding="utf-8")
+    code, _, err = swimlab("measure", shot, "-q")
+    assert code == 0, err
 
 
 def test_what_stands_for_an_option_is_a_key_of_a_shot():
