@@ -192,6 +192,14 @@ def test_every_mistake_is_named_at_once(swimlab, tmp_path):
     assert all(line.startswith("swimlab: bad.toml: ") for line in lines)
 
 
+def test_an_output_that_cannot_be_written_is_named_as_it_was_given(swimlab, tiny, tmp_path):
+    (tmp_path / "taken").write_text("in the way", encoding="utf-8")
+    code, out, err = swimlab("render", tiny, "-t", "pixel-point", "-o", "taken/run")
+    assert (code, out) == (2, "")
+    assert err.startswith("swimlab: taken/run")
+    assert err.endswith(": cannot be written: taken is a file, not a folder\n")
+
+
 def test_interrupts_have_their_own_exit_code(swimlab, tiny, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
