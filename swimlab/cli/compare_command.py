@@ -79,13 +79,17 @@ def _against_history(
     about: dict[str, Any],
 ) -> int:
 
-    outlook = history.look_back(read_all(runs), history.read_history(folder), pick=pick, threshold=sigma)
+    earlier = history.read_history(folder)
+    outlook = history.look_back(read_all(runs), earlier, pick=pick, threshold=sigma)
     saved = history.save(folder, runs, commit_of(Path.cwd()), provenance=about) if save else None
     if json_output:
         content = outlook.as_json(sigma) | {"provenance": about, "saved": None if saved is None else str(saved)}
         print(json.dumps(content, indent=1, allow_nan=False))
         return 0
-    print_outlook(outlook, sigma)
+    if earlier:
+        print_outlook(outlook, sigma)
+    else:
+        print(f"{folder}: holds no history files yet" + ("" if save else "; --save adds one"))
     if saved is not None:
         print(saved)
     return 0

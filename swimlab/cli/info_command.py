@@ -11,6 +11,7 @@ from swimlab.footage.pattern import holds_frames
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.footage.sources import changes
 from swimlab.render.plan import load_sequence
+from swimlab.report.sentences import listed, notes_of
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record
 from swimlab.runs.scores import read_scores
@@ -107,9 +108,13 @@ def print_scores_of(path: Path) -> None:
     for key, value in content["provenance"].items():
         if key != "domain" and not isinstance(value, dict):
             print(f"{key:<11} {value}")
+    by_sequence: dict[str, list[dict[str, Any]]] = {}
     for entry in content["sequences"]:
-        for note in entry.get("notes", []):
-            print(f"note        {note}")
+        by_sequence.setdefault(entry["sequence"], []).append(entry)
+    for sequence, entries in by_sequence.items():
+        where = f" on {sequence}" if len(by_sequence) > 1 else ""
+        for note, names in notes_of(entries).items():
+            print(f"note        {names or listed(entry['technique'] for entry in entries)}{where}: {note}")
 
 
 def print_sequence(name: str) -> None:

@@ -71,13 +71,20 @@ def main() -> None:
     except (ValueError, OSError, CycloptsError) as error:
         if os.environ.get("SWIMLAB_TRACEBACK"):
             raise
-        for line in str(error).splitlines():
+        for line in _words(error).splitlines():
             print(f"swimlab: {line}", file=sys.stderr)
         sys.exit(2)
     except Exception:  # Python would end with 1, which says that a gate failed
         traceback.print_exc()
         print("swimlab: could not finish: a fault of swimlab or of your technique, see above", file=sys.stderr)
         sys.exit(2)
+
+
+def _words(error: Exception) -> str:
+    """What to say of an error: of a file's the file and the reason, without the system's number for it."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:

@@ -16,7 +16,7 @@ from swimlab.compare.change import SIGMAS, Change, change_in_history
 from swimlab.compare.pick import Pick
 from swimlab.compare.runs import tally
 from swimlab.runs.entries import Entry, Key, number, read_all, read_entries
-from swimlab.runs.files import write_json
+from swimlab.runs.files import write_json, writing
 from swimlab.runs.record import VERSION, RunError
 from swimlab.runs.scores import read_scores
 
@@ -163,8 +163,9 @@ def _claim_number(folder: Path) -> Iterator[int]:
 
     Whoever makes the claim file first has the number, unless it was used between looking and claiming.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    wanted, claim = _claim(folder)
+    with writing(folder, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        wanted, claim = _claim(folder)
     try:
         yield wanted
     finally:

@@ -1,7 +1,7 @@
 """Where a failing score is worst: the frame, the region, and a picture of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +10,7 @@ from swimlab.footage.pictures import open_pictures
 from swimlab.report.clips import Region
 from swimlab.report.contact import GAP, PAPER, write
 from swimlab.report.display import COVERED, ERROR_RANGE, Picture, difference_codes, srgb
-from swimlab.report.worst import worst_frames, worst_region
+from swimlab.report.worst import frame_before, to_blame, worst_frames, worst_region
 from swimlab.runs.entries import Entry
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import FrameError, Image, png
@@ -24,17 +24,21 @@ CHANGES = {"flicker", "plane", "residual", "visible"}
 class Evidence:
     """The worst frame of a score; region: (x, y, width, height) in px; crop: picture | reference | error.
 
-    region and crop are None where the run has no frames or no reference any more; `lacking` says why.
+    before: the frame before it, where it is not known which of the two is at fault for the change between them.
+    region is None where the run has no frames or no reference any more, crop also where it cannot be written;
+    `lacking` says why.
     """
 
     frame: int
+    before: int | None = None
     region: Region | None = None
     crop: Path | None = None
     lacking: str = ""
 
     def describe(self) -> str:
         """In words, as "worst in frame 7 at x 64 y 128, 64x64 px"."""
-        words = f"worst in frame {self.frame}"
+        between = self.before is not None
+        words = f"worst between frames {self.before} and {self.frame}" if between else f"worst in frame {self.frame}"
         if self.region is not None:
             words += " at x {} y {}, {}x{} px".format(*self.region)
         said = str(self.crop) if self.crop is not None else f"no picture of it: {self.lacking}" if self.lacking else ""
@@ -47,31 +51,42 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
     The frame is the one of the largest error or change, as the score is about; the region is the square of the
     largest squared error in it. None where the scores hold nothing by frame.
     """
-    frame = worst_frame(entry, metric)
-    if frame is None:
+    found = where_worst(entry, metric)
+    if found is None:
         return None
     if entry.folder is None:
         own = "settings" in entry.provenance
         why = "your own frames are not in a run folder" if own else "no run folder lies beside the scores"
-        return Evidence(frame, lacking=why)
+        return replace(found, lacking=why)
     pictures = open_pictures(entry.folder, Record.read(entry.folder))
     try:
-        test, reference = (pictures.read(name, frame) for name in (entry.technique, REFERENCE))
+        test, reference = (pictures.read(name, found.frame) for name in (entry.technique, REFERENCE))
     except FrameError as error:
-        return Evidence(frame, lacking=str(error))
+        return replace(found, lacking=str(error))
     region = worst_region(test[..., :3] - reference[..., :3], reference[..., 3] >= COVERED)
     crop = entry.folder / "gate" / f"{entry.sequence}-{entry.technique}-{metric}.png"
-    write_crop(crop, {entry.technique: test, REFERENCE: reference}, region)
-    return Evidence(frame, region, crop)
+    try:
+        write_crop(crop, {entry.technique: test, REFERENCE: reference}, region)
+    except OSError as error:  # a run folder that is read-only is judged all the same
+        return replace(found, region=region, lacking=f"{crop}: {error.strerror or error}")
+    return replace(found, region=region, crop=crop)
 
 
-def worst_frame(entry: Entry, metric: str) -> int | None:
-    """Number of the frame that is worst for a score."""
+def where_worst(entry: Entry, metric: str) -> Evidence | None:
+    """The frame that is worst for a score, without region and picture.
+
+    One bad frame makes two changes, into it and out of it: of the two frames of a change the worse is named.
+    """
     if metric.startswith("scale."):
-        return _worst_scale(entry)
+        scale = _worst_scale(entry)
+        return None if scale is None else Evidence(scale)
     changes = bool(CHANGES & set(metric.split(".")))
-    found = worst_frames(entry.frames, *(("change", "mse") if changes else ("mse", "change")))
-    return found[0][0] if found else None
+    if changes and (found := worst_frames(entry.frames, "change")):
+        frame = found[0][0]
+        worse = to_blame(entry.frames, frame)
+        return Evidence(frame, frame_before(entry.frames, frame)) if worse is None else Evidence(worse)
+    found = worst_frames(entry.frames, "mse", "change")
+    return Evidence(found[0][0]) if found else None
 
 
 def _worst_scale(entry: Entry) -> int | None:

@@ -27,7 +27,7 @@ from swimlab.report.motion_map import checked_motion, motion_map
 from swimlab.report.palette import Ink, inks
 from swimlab.report.profiles import profiles
 from swimlab.report.recorded import ReportError, Run, open_run
-from swimlab.report.sentences import listed
+from swimlab.report.sentences import notes_of
 from swimlab.report.table import headline, score_table
 from swimlab.report.verdict import verdict
 from swimlab.report.viewer import caption, picture_json
@@ -173,21 +173,12 @@ def _section(
             *motion_map(run, mine),
         ],
         "maps": maps(run, mine),
-        "notes": _notes(mine),
+        "notes": notes_of(mine),
         "motion": checked_motion(mine),
         "score_names": names,
         "entries": mine,
         "clips": [caption(clip) for clip in clips if clip.run is run],
     }
-
-
-def _notes(entries: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Note -> whom it is of, "" where it is of all."""
-    of: dict[str, list[str]] = {}
-    for entry in entries:
-        for note in dict.fromkeys(entry.get("notes", [])):
-            of.setdefault(note, []).append(entry["technique"])
-    return {note: "" if len(names) == len(entries) else listed(names) for note, names in of.items()}
 
 
 def _techniques(runs: Sequence[Run], entries: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -145,6 +145,15 @@ def names_of(tested: Sequence[Tested]) -> str:
     return listed(one.name for one in tested)
 
 
+def notes_of(entries: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """The notes of a sequence's entries -> the techniques that each is of, "" where it is of all."""
+    of: dict[str, list[str]] = {}
+    for entry in entries:
+        for note in dict.fromkeys(entry.get("notes", [])):
+            of.setdefault(note, []).append(entry["technique"])
+    return {note: "" if len(names) == len(entries) else listed(names) for note, names in of.items()}
+
+
 def listed(names: Iterable[str]) -> str:
     """Names in words."""
     *some, last = list(names)

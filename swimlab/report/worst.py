@@ -60,6 +60,19 @@ def worst_frames(rows: Iterable[Mapping[str, Any]], *keys: str) -> list[tuple[in
     return []
 
 
+def frame_before(rows: Iterable[Mapping[str, Any]], frame: int) -> int | None:
+    """The frame that an entry's rows by frame hold before this one."""
+    return max((int(row["frame"]) for row in rows if row["frame"] < frame), default=None)
+
+
+def to_blame(rows: Sequence[Mapping[str, Any]], frame: int) -> int | None:
+    """Of a frame and the one before it the one of the larger error, at fault for the change; None where unknown."""
+    errors, before = dict(worst_frames(rows, *ERROR)), frame_before(rows, frame)
+    if before not in errors or frame not in errors:
+        return None
+    return frame if errors[frame] >= errors[before] else before
+
+
 def worst_region(difference: Image, known: NDArray[np.bool_]) -> Region:
     """The square (x, y, width, height) of the largest squared difference [H, W, 3], over pixels that are known."""
     squared = np.where(known, np.square(difference.astype(np.float64)).sum(axis=2), 0.0)
@@ -139,7 +152,11 @@ def _flicker(run: Run, entry: Entry) -> Worst | None:
     change = np.where(known[..., None], change, 0)
     region = worst_region(change, known)
     panels = {f"frame {each}": srgb(_cut(picture, region)) for each, picture in ((earlier[-1], before), (frame, now))}
-    return _found(name, frames, region, panels | {"change": difference_codes(_cut(change, region))})
+    blamed: dict[int, float] = {}
+    for each, value in frames:
+        worse = to_blame(entry["frames"], each)
+        blamed.setdefault(each if worse is None else worse, value)
+    return _found(name, list(blamed.items()), region, panels | {"change": difference_codes(_cut(change, region))})
 
 
 def _found(name: str, frames: list[tuple[int, float]], region: Region, panels: dict[str, NDArray[np.uint8]]) -> Worst:

@@ -31,7 +31,8 @@ class Difference:
         return concerns(self.key, technique) or concerns(self.key, REFERENCE)
 
     def __str__(self) -> str:
-        return f"{self.key} {_words(self.before)} → {_words(self.after)}"
+        between = "x" if self.key.endswith("size") else ", "
+        return f"{self.key} {_words(self.before, between)} → {_words(self.after, between)}"
 
 
 def concerns(key: str, technique: str) -> bool:
@@ -99,5 +100,5 @@ def _unlike(one: dict[str, Any], other: dict[str, Any]) -> Iterator[tuple[str, A
             yield key, one.get(key), other.get(key)
 
 
-def _words(value: Any) -> str:
-    return "none" if value is None else "x".join(map(str, value)) if isinstance(value, list) else str(value)
+def _words(value: Any, between: str) -> str:
+    return "none" if value is None else between.join(map(str, value)) if isinstance(value, list) else str(value)

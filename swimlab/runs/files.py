@@ -22,40 +22,68 @@ def temporary_path(path: Path, kind: str = TEMPORARY) -> Path:
 def replacing(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well and vanishes when it does not.
 
-    Raises PermissionError naming `path` where another program holds it open, as on Windows; `path` is then as it was.
+    Raises OSError naming `path` where it cannot be written, PermissionError where another program holds it open, as on
+    Windows; `path` is then as it was.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = temporary_path(path)
-    try:
-        yield temporary
-        with _naming(path):
-            temporary.replace(path)
-    except BaseException:
-        with suppress(FileNotFoundError):
-            temporary.unlink()
-        raise
+    with writing(path, temporary):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield temporary
+            with _naming(path):
+                temporary.replace(path)
+        except BaseException:
+            with suppress(FileNotFoundError):
+                temporary.unlink()
+            raise
 
 
 @contextmanager
 def replacing_folder(path: Path) -> Iterator[Path]:
     """As `replacing`, for a new folder: what it takes the place of is gone only once it is whole."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     temporary, old = temporary_path(path), temporary_path(path, OLD)
-    # In a container every process may have the number of the killed one whose folder this is.
-    shutil.rmtree(temporary, ignore_errors=True)
-    temporary.mkdir()
-    try:
-        yield temporary
-        with _naming(path):
-            if path.exists():
-                path.rename(old)
-            temporary.rename(path)
-    except BaseException:
+    with writing(path, temporary):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # In a container every process may have the number of the killed one whose folder this is.
         shutil.rmtree(temporary, ignore_errors=True)
-        if old.exists() and not path.exists():
-            old.rename(path)
-        raise
+        temporary.mkdir()
+        try:
+            yield temporary
+            with _naming(path):
+                if path.exists():
+                    path.rename(old)
+                temporary.rename(path)
+        except BaseException:
+            shutil.rmtree(temporary, ignore_errors=True)
+            if old.exists() and not path.exists():
+                old.rename(path)
+            raise
     shutil.rmtree(old, ignore_errors=True)
+
+
+@contextmanager
+def writing(path: Path, temporary: Path) -> Iterator[None]:
+    """Say of `path` what goes wrong with `temporary`, what is in it or the folders of `path`, and of a full disk."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or not _is_of(error.filename, path, temporary):
+            raise
+        at_fault = next((each for each in path.parents if each.exists() and not each.is_dir()), None)
+        why = f"{at_fault} is a file, not a folder" if at_fault is not None else error.strerror
+        said = str(why) if str(why).startswith(UNWRITTEN) else f"{UNWRITTEN}: {why}"
+        raise OSError(error.errno, said, str(path)) from error
+
+
+UNWRITTEN = "cannot be written"
+
+
+def _is_of(name: object, path: Path, temporary: Path) -> bool:
+    """Whether an error's file is one that is written; a disk that is full tells no name."""
+    if not isinstance(name, str | os.PathLike):
+        return name is None
+    concerned = Path(name)
+    return concerned in (temporary, *path.parents) or temporary in concerned.parents
 
 
 @contextmanager

@@ -103,7 +103,8 @@ def write_channels(
             and output.close()
         )
         if not written:
-            raise FrameError(f"{path}: cannot be written: {output.geterror()}")
+            why = output.geterror().replace(oiio_name(temporary), str(path))
+            raise FrameError(f"{path}: cannot be written: {why}")
 
 
 def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int] | None = None) -> Image:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from gate_files import entry, write_scores
 
 from metrics.ocio import space_names, view_names
 from sequences import library
@@ -192,6 +193,14 @@ def test_every_mistake_is_named_at_once(swimlab, tmp_path):
     assert all(line.startswith("swimlab: bad.toml: ") for line in lines)
 
 
+def test_an_output_that_cannot_be_written_is_named_as_it_was_given(swimlab, tiny, tmp_path):
+    (tmp_path / "taken").write_text("in the way", encoding="utf-8")
+    code, out, err = swimlab("render", tiny, "-t", "pixel-point", "-o", "taken/run")
+    assert (code, out) == (2, "")
+    assert err.startswith("swimlab: taken/run")
+    assert err.endswith(": cannot be written: taken is a file, not a folder\n")
+
+
 def test_interrupts_have_their_own_exit_code(swimlab, tiny, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
@@ -322,6 +331,13 @@ def test_info_prints_a_sequence_with_every_default(swimlab):
     assert code == 0
     for line in ('name = "road-drive"', "camera.fov = 50.0", 'motion.kind = "drive"', "size = [640, 360]"):
         assert line in out.splitlines()
+
+
+def test_info_names_whom_a_note_is_of_and_says_it_once(swimlab, tmp_path):
+    one, other = entry(technique="a"), entry(technique="b")
+    write_scores(tmp_path / "run", one | {"notes": ["short", "dark"]}, other | {"notes": ["short", "short"]})
+    notes = [line for line in swimlab("info", "run")[1].splitlines() if line.startswith("note")]
+    assert notes == ["note        a and b: short", "note        a: dark"]
 
 
 def test_a_fault_is_no_failed_gate(swimlab, monkeypatch):

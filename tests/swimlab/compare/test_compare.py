@@ -154,6 +154,12 @@ def test_settings_that_differ_are_named_and_concern_whom_they_concern(tmp_path):
     assert Difference("size", [1, 2], [3, 4]).concerns("pixel-aniso")
 
 
+def test_only_sizes_are_written_with_an_x():
+    assert str(Difference("size", [640, 360], [320, 180])) == "size 640x360 → 320x180"
+    motion = Difference("motion", ["motion.X", "motion.Y"], None)
+    assert str(motion) == "motion motion.X, motion.Y → none"
+
+
 def test_a_hash_that_nothing_explains_stands_for_itself():
     assert [str(each) for each in differences(measured(), measured(hash="b"))] == ["settings hash a → b"]
     assert [each.key for each in differences(measured(hash=None), measured(hash=None))] == ["settings hash"]

@@ -165,3 +165,17 @@ def test_the_command_saves_and_looks_back(swimlab, tmp_path, monkeypatch):
     content = json.loads(out)
     assert content["saved"].startswith("history/0004_")
     assert content["changes"][0]["values"] == [1.0, 1.0, 1.0, 1.01]
+
+
+def test_a_folder_without_history_files_is_said_to_hold_none(swimlab, tmp_path, monkeypatch):
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
+    write(tmp_path / "run", 1.0)
+    (tmp_path / "empty").mkdir()
+    code, out, _ = swimlab("compare", "--history", "empty", "run")
+    assert (code, out) == (0, "empty: holds no history files yet; --save adds one\n")
+    first, saved = swimlab("compare", "--history", "empty", "run", "--save")[1].splitlines()
+    assert first == "empty: holds no history files yet"
+    assert saved.startswith("empty/0001_")
+    write(tmp_path / "run", 1.0, digest="feedfeedfeedfeed")
+    out = swimlab("compare", "--history", "empty", "run")[1]
+    assert out.startswith("tsl on road-shift: no earlier run of the same settings, 1 of others\n")

@@ -9,7 +9,7 @@ import OpenImageIO as oiio  # noqa: N813
 import pytest
 from gate_files import HASH, entry, write_gate, write_scores
 
-from swimlab.gate.evidence import ENLARGED, GAP, HEADER, worst_frame
+from swimlab.gate.evidence import ENLARGED, GAP, HEADER, Evidence, where_worst
 from swimlab.report.worst import SIDE
 from swimlab.runs.entries import read_entries
 from swimlab.runs.frames import frame_path, write_frame
@@ -20,13 +20,14 @@ SPOT = (100, 84)
 FRAMES = [
     {"frame": 0, "mse": 1.0},
     {"frame": 1, "mse": 3.0, "change": 1.0},
-    {"frame": 2, "mse": 2.0, "change": 4.0},
+    {"frame": 2, "mse": 2.0, "change": 1.0},
+    {"frame": 3, "mse": 2.5, "change": 4.0},
 ]
 
 
 @pytest.fixture
 def run(tmp_path):
-    """A run of three frames; the test is brighter by .25 in 8 x 8 px, and far off where the road covers in part."""
+    """A run of four frames; the test is brighter by .25 in 8 x 8 px, and far off where the road covers in part."""
     folder = tmp_path / "run"
     record = Record(
         sequence={"name": "road-shift"},
@@ -35,7 +36,7 @@ def run(tmp_path):
         uniform_velocity=(1.0, 0.0),
         resizes=False,
         provenance={},
-        frames=[0, 1, 2],
+        frames=[0, 1, 2, 3],
     )
     record.write(folder)
     exact = np.full((SIZE[1], SIZE[0], 4), 0.25, np.float32)
@@ -44,7 +45,7 @@ def run(tmp_path):
     test = exact.copy()
     test[SPOT[1] : SPOT[1] + 8, SPOT[0] : SPOT[0] + 8, :3] += 0.25
     test[:16, :, :3] = 9.0
-    for frame in range(3):
+    for frame in range(4):
         write_frame(frame_path(folder, "tsl", frame), test, half=False, metadata={})
         write_frame(frame_path(folder, "reference", frame), exact, half=False, metadata={})
     return write_scores(folder, entry(frames=FRAMES, budget_flicker=2.0, budget_mse=2.0))
@@ -54,7 +55,7 @@ def read_png(path):
     return oiio.ImageBuf(str(path)).get_pixels(oiio.UINT8)
 
 
-@pytest.mark.parametrize(("metric", "frame"), [("budget.flicker", 2), ("budget.mse", 1)])
+@pytest.mark.parametrize(("metric", "frame"), [("budget.flicker", 3), ("budget.mse", 1)])
 def test_a_failing_gate_names_frame_and_region_and_pictures_it(swimlab, run, tmp_path, metric, frame):
     write_gate(tmp_path / "gate.toml", f'metric = "{metric}"\nmax = 1')
     code, out, _ = swimlab("gate", "gate.toml", "run")
@@ -109,10 +110,34 @@ def test_scores_older_than_their_run_are_refused(swimlab, run, tmp_path):
 
 def test_the_worst_scale_is_the_frame_of_the_largest_error(run):
     content = entry(frames=[], scale_rmse=1.0)
-    content["curves"] = {"scale": {"scale": [1.0, 0.7, 0.5], "rmse": [0.1, 0.4, 0.3]}}
+    content["curves"] = {"scale": {"scale": [1.0, 0.7, 0.5, 0.4], "rmse": [0.1, 0.4, 0.3, 0.2]}}
     (found,) = read_entries(write_scores(run, content))
-    assert found.settings.extent == "3 scales"
-    assert worst_frame(found, "scale.rmse") == 1
+    assert found.settings.extent == "4 scales"
+    assert where_worst(found, "scale.rmse") == Evidence(1)
+
+
+@pytest.mark.parametrize("into", [0.9, 1.1])
+def test_of_a_flicker_the_bad_frame_is_named_whichever_of_its_changes_is_larger(tmp_path, into):
+    rows = [{"frame": t, "mse": 4.0 if t == 3 else 0.1, "change": {3: into, 4: 1.0}.get(t, 0.0)} for t in range(6)]
+    (found,) = read_entries(write_scores(tmp_path / "run", entry(frames=rows, budget_flicker=1.0)))
+    assert where_worst(found, "budget.flicker") == Evidence(3)
+
+
+def test_without_errors_a_change_is_between_two_frames(tmp_path):
+    rows = [{"frame": t, "change": float(t == 4)} for t in range(6)]
+    (found,) = read_entries(write_scores(tmp_path / "run", entry(frames=rows, budget_flicker=1.0)))
+    assert where_worst(found, "budget.flicker").describe() == "worst between frames 3 and 4"
+
+
+def test_a_picture_that_cannot_be_written_costs_no_verdict(swimlab, run, tmp_path):
+    (run / "gate").write_text("in the way", encoding="utf-8")
+    write_gate(tmp_path / "gate.toml", 'metric = "budget.mse"\nmax = 1')
+    code, out, _ = swimlab("gate", "gate.toml", "run")
+    said = " ".join(out.split())
+    assert code == 1
+    assert "worst in frame 1 at x " in said
+    assert "(no picture of it: " in said
+    assert "FAILED: 1 fail" in said
 
 
 def test_the_fixture_takes_a_run(swimlab_gate, run, tmp_path):

@@ -82,6 +82,11 @@ def test_motion_from_frames_that_are_left_out_is_of_all_of_them(run: Run) -> Non
     assert moved(4)[3, 5].tolist() == [3 * v for v in VELOCITY]
 
 
+def test_the_bad_frame_of_a_flicker_is_named_though_the_change_out_of_it_is_larger(run: Run) -> None:
+    entry = an_entry(mse=[0.0, 0.0, 0.0, 0.04, 0.01, 0.0], change=[None, 0.0, 0.0, 0.02, 0.03, 0.0])
+    assert f"tsl: frame {BAD} at" in worst(run, [entry], [])[1].svg
+
+
 def test_without_a_reference_what_moves_as_it_should_is_no_flicker(run: Run) -> None:
     """The noise itself changes at every pixel of the screen far more than the fault does."""
     alone = replace(run, techniques=("tsl",))

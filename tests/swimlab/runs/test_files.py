@@ -1,5 +1,6 @@
 """Files are whole or not there, and what a killed process left is cleaned."""
 
+import errno
 import json
 import os
 import socket
@@ -108,6 +109,32 @@ def test_what_another_program_holds_open_is_named_and_kept(tmp_path, monkeypatch
         (new / "page" if new.is_dir() else new).write_text("after", encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
     assert target.is_dir() or target.read_text(encoding="utf-8") == "before"
+
+
+@pytest.mark.parametrize("how", [replacing, replacing_folder])
+@pytest.mark.parametrize("deep", ["x", "x/y"])
+def test_a_file_in_the_way_is_named_with_what_was_to_be_written(tmp_path, how, deep):
+    (tmp_path / "x").write_text("in the way", encoding="utf-8")
+    target = tmp_path / deep / "out"
+    with pytest.raises(OSError, match="cannot be written") as raised, how(target):
+        pytest.fail("nothing can be written there")
+    assert raised.value.filename == str(target)
+    assert raised.value.strerror == f"cannot be written: {tmp_path / 'x'} is a file, not a folder"
+
+
+def test_errors_inside_name_what_was_asked_for_and_keep_their_kind(tmp_path):
+    """Also where one file is written by way of another; what is only read keeps its own name."""
+    target = tmp_path / "a"
+    with pytest.raises(PermissionError) as raised, replacing(target) as outer, replacing(outer) as inner:
+        raise PermissionError(errno.EACCES, "Permission denied", str(inner))
+    assert (raised.value.filename, raised.value.strerror) == (str(target), "cannot be written: Permission denied")
+    with pytest.raises(OSError, match="cannot be written: No space") as raised, replacing_folder(target):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert raised.value.filename == str(target)
+    with pytest.raises(FileNotFoundError) as raised, replacing(target):
+        raise FileNotFoundError(errno.ENOENT, "No such file or directory", "source")
+    assert raised.value.filename == "source"
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_names_of_files_are_written_in_utf_8_under_every_locale(tmp_path):
