@@ -90,6 +90,9 @@ class Store:
     def write(self, query: str, path: Path) -> None:
         """Write the rows of one SELECT to a Parquet file. Raises QueryError as `ask` does."""
         with replacing(path) as temporary:
+            # DuckDB would name this file and not `path` where it cannot be written.
+            temporary.touch()
+            temporary.unlink()
             try:
                 self._seal(temporary)
                 self._connection.sql(self._checked(query)).write_parquet(str(temporary))

@@ -191,6 +191,17 @@ def test_what_cannot_be_asked_is_refused(swimlab, tmp_path, words, said):
     assert said in err
 
 
+def test_a_file_that_cannot_be_written_is_named_as_it_was_given(swimlab, tmp_path, monkeypatch):
+    write_run(tmp_path / "run")
+
+    def refuse(self, *_, **__):
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "touch", refuse)
+    code, _, err = swimlab("table", "run", "SELECT metric FROM scores", "--parquet", "out.parquet")
+    assert (code, err.splitlines()[-1]) == (2, "swimlab: out.parquet: cannot be written: Permission denied")
+
+
 def test_a_query_that_fails_leaves_no_file(swimlab, tmp_path):
     write_run(tmp_path / "run")
     code, _, _ = swimlab("table", "run", "SELECT x FROM scores", "--parquet", "out.parquet")
