@@ -84,12 +84,9 @@ class Launcher:
             wait(tasks)
             raise
 
-    def strips(self, rows: int, n: int = 1, *, height: int = STRIP_ROWS) -> Sequence[Strip]:
-        """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself.
-
-        height: of a strip, rows of samples.
-        """
-        height = max(1, height // n) if self.device == "cpu" else max(rows, 1)
+    def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
+        """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself."""
+        height = max(1, STRIP_ROWS // n) if self.device == "cpu" else max(rows, 1)
         return [Strip(first, min(height, rows - first)) for first in range(0, rows, height)]
 
     def launch(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> None:

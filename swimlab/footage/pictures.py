@@ -36,7 +36,7 @@ class Pictures(Protocol):
     def motion(self, frames: Sequence[int]) -> Moved:
         """How the surface moved from each of these frames to the next, without jitter that was estimated.
 
-        Of rendered pictures frames follow each other without gaps. Raises FrameError as `read` does.
+        Raises FrameError as `read` does.
         """
 
 

@@ -6,7 +6,6 @@ highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e
 has turned by as much. That frame follows from the sequence alone, so that what was rendered before changes no bit.
 """
 
-from dataclasses import replace
 from math import e, sqrt
 from typing import NamedTuple
 
@@ -52,7 +51,7 @@ class Epochs:
     def shot(self, frame: int) -> Shot:
         """Another frame of the sequence."""
         if frame not in self._shots:
-            self._shots[frame] = replace(self._now, frame=frame)
+            self._shots[frame] = self._now.at(frame)
         return self._shots[frame]
 
     def poses(self, frames: Ints) -> Ints:

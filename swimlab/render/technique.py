@@ -141,7 +141,7 @@ def core_of(shot: Shot, texture_filter: TextureFilter, inputs: Inputs) -> Core:
 
 
 def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = BOX) -> Callable[..., None]:
-    """The function that shades a strip of n x n samples a pixel, of the screen or of a target in texture space.
+    """The function that shades a strip of n x n samples a pixel.
 
     Its arguments are grid, triangles, visible (see `visibility`), strip, picture [H, W], error ([H, W] if n > 1) and
     shaded ([H], samples). It adds to rows of picture and error and fills rows of shaded, from `row` on (default: the

@@ -86,16 +86,18 @@ class Shots:
             Task(
                 _writing(each), each.name, write_run, (each, out, self.inputs[each.name], self.keys[each.name], command)
             )
-            for each in self.asked
-            if all(self.builds[key].path(out).is_file() for key in self._keys(each))
+            for each in self._measured(out)
         ]
         return _in_keys(perform(tasks, out, engine, what="writing runs", show=show))
 
     def written(self, out: Path, failures: Mapping[Path, str]) -> list[Path]:
         """The run folders that were written, after these failures."""
-        asked = [each for each in self.asked if all(self.builds[key].path(out).is_file() for key in self._keys(each))]
         failed = {path.stem for path in failures}
-        return [each.run for each in asked if _writing(each) not in failed]
+        return [each.run for each in self._measured(out) if _writing(each) not in failed]
+
+    def _measured(self, out: Path) -> list[Asked]:
+        """The shots all of whose builds are measured."""
+        return [each for each in self.asked if all(self.builds[key].path(out).is_file() for key in self._keys(each))]
 
     def _keys(self, asked: Asked) -> Iterable[str]:
         return self.keys[asked.name].values()

@@ -30,6 +30,16 @@ def rows_of(width: int) -> int:
     return width + 4
 
 
+@wp.func
+def packet_end(visible: wp.array2d(dtype=wp.int32), row: wp.int32, x: wp.int32, width: wp.int32) -> wp.int32:
+    """One past the last cell of the packet that begins at x: a run of cells that see the same triangle."""
+    stop = wp.int32(x + 1)
+    last = wp.min(x + LANES, width)
+    while stop < last and visible[row, stop] == visible[row, x]:
+        stop += 1
+    return stop
+
+
 @form(cases=WIDTHS)
 def put_in(width: int) -> Twins:
     """The function that stores a texel of `width` floats in a lane; the plain form's indexed stores are slow."""

@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
-from swimlab.render.kernels.packet import PLACES, locate_before, rows_of
+from swimlab.render.kernels.packet import PLACES, locate_before, packet_end, rows_of
 from swimlab.render.kernels.raster import see_row
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Edges, Grid, Planes, Sun
 
@@ -123,11 +123,8 @@ def shade_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Fu
             x = wp.int32(0)
             while x < grid.width:
                 triangle = visible[row * n + y, x]
-                stop = wp.int32(x + 1)
+                stop = packet_end(visible, row * n + y, x, grid.width)
                 if triangle >= 0:
-                    last = wp.min(x + LANES, grid.width)
-                    while stop < last and visible[row * n + y, stop] == triangle:
-                        stop += 1
                     locate(planes[triangle], grid, x, grid_row * n + y, stop - x, places, lanes)
                     fill(texels, chain, places, stop - x, lanes)
                     shade_packet(lanes, sun)

@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
-from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, rows_of
+from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, packet_end, rows_of
 from swimlab.render.kernels.samples import gathering
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.structs import LANES, Grid, Pages, Planes, Sun
@@ -171,16 +171,6 @@ def unpremultiplication() -> Twins:
 
 
 LIGHT_LANES = LANES * rows_of(4)
-
-
-@wp.func
-def packet_end(visible: wp.array2d(dtype=wp.int32), row: wp.int32, x: wp.int32, width: wp.int32) -> wp.int32:
-    """One past the last cell of the packet that begins at x: a run of cells that see the same triangle."""
-    stop = wp.int32(x + 1)
-    last = wp.min(x + LANES, width)
-    while stop < last and visible[row, stop] == visible[row, x]:
-        stop += 1
-    return stop
 
 
 @functools.cache

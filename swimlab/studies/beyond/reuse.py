@@ -1,7 +1,7 @@
 """Light that is kept from frame to frame: what it saves, what it costs, and how late it is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,6 +23,7 @@ WANTED = 1.05
 """Times the error of light that is made anew that a saving may cost."""
 
 THRIFTY = {"texels": "needed", "inputs": "vmf"}
+"""Settings of `tsl` under which light is kept for some frames."""
 PLAIN = Variant("each frame anew", "tsl", THRIFTY)
 PIXELS = Variant("pixel-aniso", "pixel-aniso")
 
@@ -70,7 +71,7 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     keep = work.layout.with_coarse(work.keep)
     table = work.layout.table(launcher, keep, pool.hold(work.layout, keep))
     atlas = work.layout.on(launcher, table, screen.targets)
-    before = replace(shot, frame=shot.frame - 1)
+    before = shot.at(shot.frame - 1)
     jobs = Jobs.of(launcher, work, np.full(work.layout.entries, before.frame))
     Lighting(before, INPUTS[settings.inputs]).light(jobs, atlas, pool.texels)
     reduce_targets(launcher, atlas, pool.texels)

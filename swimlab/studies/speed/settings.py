@@ -14,6 +14,7 @@ from swimlab.report.charts import Axis
 from swimlab.report.scatter import Point, scatter
 from swimlab.report.weighing import front
 from swimlab.runs.record import REFERENCE
+from swimlab.studies.beyond.reuse import THRIFTY
 from swimlab.studies.page import Cell, Figure, Section, Table, shown
 from swimlab.studies.panels import Panel, panels
 from swimlab.studies.trials import Stage, Trial, Variant
@@ -37,9 +38,6 @@ def _settings(family: str, technique: str, key: str, values: Sequence[int], **ot
     return [Candidate(family, Variant(f"{short} {v}", technique, {key: v, **others})) for v in values]
 
 
-KEPT = {"texels": "needed", "inputs": "vmf"}
-"""Settings of `tsl` under which light is kept for some frames."""
-
 SEVERAL = (
     *_settings("pixel-aniso", "pixel-aniso", "anisotropy", (1, 2, 4, 8, 16)),
     *_settings("supersample", "supersample", "samples", (1, 4, 9, 16)),
@@ -48,7 +46,7 @@ SEVERAL = (
     Candidate("tsl thrifty", Variant("tsl visible", "tsl", {"texels": "visible"})),
     Candidate("tsl thrifty", Variant("tsl needed vmf", "tsl", {"texels": "needed", "inputs": "vmf"})),
     Candidate("tsl thrifty", Variant("tsl fitted vmf", "tsl", {"sizes": "fitted", "inputs": "vmf"})),
-    *(Candidate("tsl thrifty", Variant(f"tsl kept {n}", "tsl", KEPT | {"reuse": n})) for n in (2, 8)),
+    *(Candidate("tsl thrifty", Variant(f"tsl kept {n}", "tsl", THRIFTY | {"reuse": n})) for n in (2, 8)),
     *(Candidate(REFERENCE, Variant(f"reference {n}", REFERENCE), n) for n in (4, 16, 64)),
 )
 """What is tried at several settings; all other techniques are tried at their defaults."""
