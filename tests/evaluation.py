@@ -1,15 +1,14 @@
 """Radiance of reflectance models at given directions, for tests."""
 
-import functools
-
 import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
+from metrics.kernels.making import made_once
 from swimlab.render.catalogue import brdfs
 
 
-@functools.cache
+@made_once
 def kernel_of(evaluate):
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(

@@ -1,11 +1,10 @@
 """Samples of all that a packet can hold, and shading them."""
 
-import functools
-
 import numpy as np
 import warp as wp
 from oracle import unit
 
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.structs import LANES, Sun
 
 SUN = unit(np.array([0.1, 0.9, 0.4]))
@@ -76,7 +75,7 @@ def shade(launcher, shade_packet, samples):
     return rows[:, :3].transpose(0, 2, 1).reshape(-1, 3)
 
 
-@functools.cache
+@made_once
 def shading_of(shade_packet, floats):
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(samples: wp.array2d(dtype=wp.float32), sun: Sun):

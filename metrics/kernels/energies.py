@@ -4,11 +4,10 @@ Of a tile each lane sums single precision over some hundred numbers; lanes are s
 in the host's memory, so these run on the CPU. A spectrum's real and imaginary parts stand in turns.
 """
 
-from functools import cache
-
 import warp as wp
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.making import made_once
 from metrics.octaves import OCTAVES
 
 wp.set_module_options({"enable_backward": False})
@@ -138,7 +137,7 @@ def bin_sums() -> Twins:
     return Twins(add, _POWER)
 
 
-@cache
+@made_once
 def octave_energies() -> wp.Kernel:
     """The kernel that runs `octave_sums`, a tile a thread."""
     add = octave_sums().native
@@ -154,7 +153,7 @@ def octave_energies() -> wp.Kernel:
     return kernel
 
 
-@cache
+@made_once
 def following_energies() -> wp.Kernel:
     """The kernel that runs `following`, a tile a thread."""
     follow = following().native
@@ -172,7 +171,7 @@ def following_energies() -> wp.Kernel:
     return kernel
 
 
-@cache
+@made_once
 def bin_energies() -> wp.Kernel:
     """The kernel that runs `bin_sums`, a tile a thread."""
     add = bin_sums().native

@@ -1,10 +1,10 @@
 """Surfaces followed from frame to frame: places are px (x, y) away from each pixel of the frame that is followed."""
 
-from functools import cache
 from typing import NamedTuple
 
 import warp as wp
 
+from metrics.kernels.making import made_once
 from metrics.kernels.splines import field_value
 
 wp.set_module_options({"enable_backward": False})
@@ -30,7 +30,7 @@ class Steps(NamedTuple):
     glue_ahead: wp.Kernel
 
 
-@cache
+@made_once
 def steps(device: str) -> Steps:
     """The kernels for a device."""
     take = field_value().on(device)

@@ -14,11 +14,13 @@ declared case on the same inputs.
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache, partial, wraps
+from functools import partial, wraps
 from types import FunctionType
 from typing import Any, NamedTuple
 
 import warp as wp
+
+from metrics.kernels.making import made_once
 
 
 class Twins(NamedTuple):
@@ -78,7 +80,7 @@ def form(
     """
 
     def declare(write: Callable[..., Twins]) -> Callable[..., Form]:
-        @cache
+        @made_once
         @wraps(write)
         def make(*parameters: Any) -> Form:
             plain, code, width = write(*parameters)

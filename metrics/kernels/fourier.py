@@ -5,13 +5,12 @@ through memory; here a tile stays in the cache, and LANES columns are transforme
 memory, so it runs on the CPU.
 """
 
-from functools import cache
-
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.making import made_once
 
 wp.set_module_options({"enable_backward": False})
 
@@ -205,7 +204,7 @@ def tile_spectrum(size: int) -> Twins:
     return Twins(transform, code, size)
 
 
-@cache
+@made_once
 def tile_spectra(size: int) -> wp.Kernel:
     """The kernel that transforms tiles of `size` px; a thread takes one channel of one."""
     transform = tile_spectrum(size).native

@@ -4,7 +4,6 @@ One launch on the CPU is a serial loop that releases the interpreter lock, so wo
 pool of threads takes one after another. How it is cut never changes a bit of the result.
 """
 
-import functools
 import os
 import tempfile
 import warnings
@@ -13,12 +12,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
-from threading import Lock
 from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 import warp as wp
 
+from metrics.kernels.making import MAKING, made_once
 from metrics.machine import cores, user
 
 Item = TypeVar("Item")
@@ -28,7 +27,6 @@ STRIP_ROWS = 32
 costs nothing, and a strip's visibility buffer stays in the cache."""
 
 
-_LOADING = Lock()
 _LOADED: set[tuple[str, wp.Kernel]] = set()
 
 
@@ -95,13 +93,7 @@ class Launcher:
 
     def record(self, kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any]) -> Any:
         """A launch that is ready to be started, several times if need be, by one thread at a time."""
-        if (self.device, kernel) in _LOADED:
-            return wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
-        # Building and loading a kernel is not safe in several threads at once.
-        with _LOADING:
-            command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=self._on, record_cmd=True)
-            _LOADED.add((self.device, kernel))
-        return command
+        return _recorded(kernel, dim, inputs, self._on)
 
     def start(self, command: Any) -> None:
         """Start a recorded launch in the calling thread."""
@@ -174,13 +166,18 @@ class Launcher:
 
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
     """Run one kernel on the CPU in the calling thread, on the host's own arrays."""
-    if ("cpu", kernel) in _LOADED:
-        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
-        return
-    with _LOADING:
+    if dim > 0:
+        _recorded(kernel, dim, inputs, "cpu").launch()
+
+
+def _recorded(kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[Any], device: Any) -> Any:
+    if (str(device), kernel) in _LOADED:
+        return wp.launch(kernel, dim=dim, inputs=list(inputs), device=device, record_cmd=True)
+    with MAKING:
         start_warp()
-        wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu")
-        _LOADED.add(("cpu", kernel))
+        command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=device, record_cmd=True)
+        _LOADED.add((str(device), kernel))
+    return command
 
 
 @contextmanager
@@ -196,7 +193,7 @@ def _quiet_stderr() -> Iterator[None]:
             os.close(saved)
 
 
-@functools.cache
+@made_once
 def start_warp() -> Path:
     """Initialise Warp, quietly, with a kernel cache that can be written; return the cache's folder."""
     configured = os.environ.get("WARP_CACHE_PATH") or wp.config.kernel_cache_dir

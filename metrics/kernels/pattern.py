@@ -1,6 +1,5 @@
 """Sums of sinusoids, evaluated where the surface is that each pixel sees."""
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.forms import Twins, Within, form
 from metrics.kernels.launch import Launcher
+from metrics.kernels.making import made_once
 
 wp.set_module_options({"enable_backward": False})
 
@@ -60,7 +60,7 @@ def row_of_waves() -> Twins:
     return Twins(sum_waves, _WAVES)
 
 
-@cache
+@made_once
 def _rows_of_waves(device: str) -> wp.Kernel:
     sum_waves = row_of_waves().on(device)
 

@@ -3,11 +3,10 @@
 Pictures are vectors of 4, of which 3 are colours: a vector is then one register.
 """
 
-from functools import cache
-
 import warp as wp
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.making import made_once
 
 wp.set_module_options({"enable_backward": False})
 
@@ -310,7 +309,7 @@ def row_interleaving() -> Twins:
     return Twins(interleave, _INTERLEAVE)
 
 
-@cache
+@made_once
 def filter_lines(width: int, degree: int, device: str) -> wp.Kernel:
     """The kernel that turns lines of values into coefficients of a spline in place, LINES of them a thread."""
     filter = line_filter(width, degree).on(device)
@@ -322,7 +321,7 @@ def filter_lines(width: int, degree: int, device: str) -> wp.Kernel:
     return kernel
 
 
-@cache
+@made_once
 def unwarp_rows(device: str) -> wp.Kernel:
     """The kernel that unwarps rows of a picture, one a thread."""
     unwarp = row_unwarping().on(device)
@@ -341,7 +340,7 @@ def unwarp_rows(device: str) -> wp.Kernel:
     return kernel
 
 
-@cache
+@made_once
 def interleave_rows(device: str) -> wp.Kernel:
     """The kernel that makes vectors of 4 of the rows of a picture's planes, one row a thread."""
     interleave = row_interleaving().on(device)

@@ -8,11 +8,10 @@ nv = power anisotropy: above 1 the highlight is drawn out along the tangent. The
 diffuse intensity is not used.
 """
 
-from functools import cache
-
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.settings import Settings
@@ -43,7 +42,7 @@ def entering(cosine: wp.float32) -> wp.float32:
     return 1.0 - rest * rest * rest * rest * rest
 
 
-@cache
+@made_once
 def direct(settings: AshikhminShirleySettings) -> Model:
     """The formula as it stands."""
     anisotropy = settings.anisotropy

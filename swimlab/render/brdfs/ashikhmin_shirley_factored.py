@@ -7,11 +7,10 @@ fresnel (H.V, Ks) -> F; body (N.L, N.V) -> the product of the diffuse term.
 The divisions by H.V and max(N.L, N.V), which no table holds as they grow without bound, are computed. Ks is in 0..1.
 """
 
-from functools import cache
-
 import numpy as np
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.brdfs.ashikhmin_shirley import LEAST_DIVISOR, AshikhminShirleySettings
 from swimlab.render.brdfs.blinn_phong_factored import lobe_coordinates, lobe_table
@@ -28,7 +27,7 @@ def body(cosine_light: Doubles, cosine_view: Doubles) -> Doubles:
     return np.asarray((1 - (1 - cosine_light / 2) ** 5) * (1 - (1 - cosine_view / 2) ** 5))
 
 
-@cache
+@made_once
 def factored(settings: AshikhminShirleySettings) -> Model:
     """The model with its tables."""
     anisotropy = settings.anisotropy

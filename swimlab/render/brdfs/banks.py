@@ -10,12 +10,12 @@ energy: sqrt((2 n + 5) / (16 pi)), with which Ks of the light is reflected, seen
 n = 0 and better at larger n.
 """
 
-from functools import cache
 from typing import Literal
 
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.shading import power_of_cosine
 from swimlab.render.settings import Settings
@@ -46,7 +46,7 @@ FACTORS = {"none": none, "energy": energy}
 """Normalisations by name."""
 
 
-@cache
+@made_once
 def direct(settings: BanksSettings) -> Model:
     """The formula as it stands."""
     factor = FACTORS[settings.normalisation]

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.brdfs.banks import FACTORS, BanksSettings
 from swimlab.render.kernels.shading import power_below_one
@@ -38,7 +39,7 @@ def table() -> Table:
     return tabulated(half_sine, columns=NODES, rows=NODES)
 
 
-@cache
+@made_once
 def factored(settings: BanksSettings) -> Model:
     """The model with its table."""
     half_sine_at = table().lookup

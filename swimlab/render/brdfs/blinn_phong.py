@@ -7,13 +7,13 @@ energy: (p + 2)(p + 4) / (8 pi (2^(-p/2) + p)), with which Ks of the light is re
 the usual (p + 8) / (8 pi) is above that by 7.5% at p = 10 and .2% at p = 1000.
 """
 
-from functools import cache
 from typing import Literal
 
 import warp as wp
 from pydantic import Field
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.cpp import EXP2, LOGARITHM, half_vector_code
 from swimlab.render.kernels.packet import plain_packet
@@ -88,7 +88,7 @@ NATIVE = f"""{EXP2}{LOGARITHM}
 """
 
 
-@cache
+@made_once
 def evaluate_with(normalisation: str) -> wp.Function:
     """The plain model."""
     factor = FACTORS[normalisation]
@@ -111,7 +111,7 @@ def packet_with(normalisation: str) -> Twins:
     return Twins(plain, NATIVE.replace("FACTOR", NATIVE_FACTORS[normalisation]), 8)
 
 
-@cache
+@made_once
 def with_normalisation(settings: BlinnPhongSettings) -> Model:
     """The model, plain and native."""
     name = settings.normalisation

@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.brdfs.blinn_phong import FACTORS, BlinnPhongSettings
 from swimlab.render.kernels.table import Doubles, Table, tabulated
@@ -35,7 +36,7 @@ def lobe_table() -> Table:
     return tabulated(lobe, columns=129, rows=65)
 
 
-@cache
+@made_once
 def factored(settings: BlinnPhongSettings) -> Model:
     """The model with its table."""
     factor = FACTORS[settings.normalisation]

@@ -10,13 +10,13 @@ Coefficients are in -1..1, so that no power overflows: a scale belongs in Ks. Th
 diffuse intensity is not used. Lobes are 0 where light or eye are below the surface.
 """
 
-from functools import cache
 from typing import Literal
 
 import numpy as np
 import warp as wp
 from pydantic import Field, field_validator
 
+from metrics.kernels.making import made_once
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.kernels.shading import power_below_one
 from swimlab.render.settings import Settings
@@ -64,7 +64,7 @@ FACTORS = {"none": none, "energy": energy}
 """Normalisations by name."""
 
 
-@cache
+@made_once
 def with_lobes(settings: LafortuneSettings) -> Model:
     """The model of some lobes."""
     factor = FACTORS[settings.normalisation]

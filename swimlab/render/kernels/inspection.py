@@ -1,10 +1,10 @@
 """Kernels that show what device functions return for single samples, without a picture: for studies and tests."""
 
-import functools
 from typing import Any
 
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import isotropic_level, surface_at
 from swimlab.render.kernels.packet import PLACES, put_in, radiance, rows_of
 from swimlab.render.kernels.raster import sample_position
@@ -75,7 +75,7 @@ def count_reads(
     reads[j] = total
 
 
-@functools.cache
+@made_once
 def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades texels of `width` floats at given places (m, relative to the eye), LANES a thread."""
     texel_type = TEXELS[width]
@@ -103,7 +103,7 @@ def shaded_samples(shade_packet: wp.Function, width: int) -> wp.Kernel:
     return kernel
 
 
-@functools.cache
+@made_once
 def filtered_samples(fill: wp.Function, width: int, shape: Any = Chain) -> wp.Kernel:
     """The kernel that fills `count` lanes of a packet a thread from `places` [N, PLACES].
 
@@ -132,7 +132,7 @@ def filtered_samples(fill: wp.Function, width: int, shape: Any = Chain) -> wp.Ke
     return kernel
 
 
-@functools.cache
+@made_once
 def resolve_coarsest(resolve: wp.Function) -> wp.Kernel:
     """The kernel that resolves the moments of the last texel of a chain."""
 
@@ -151,7 +151,7 @@ def cosines(
     return albedo * (light[2] + view[2])
 
 
-@functools.cache
+@made_once
 def evaluations(evaluate: wp.Function, each: int = LANES) -> wp.Kernel:
     """The kernel that adds up red over `each` evaluations a thread, under one albedo, Ks and power."""
 

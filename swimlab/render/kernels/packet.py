@@ -6,12 +6,12 @@ many as its kind has), then position (m, relative to the eye) and slope. Shading
 of `lanes`.
 """
 
-import functools
 from typing import Any
 
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.shading import shade_with
@@ -142,7 +142,7 @@ def footprint_of(places: wp.array(dtype=wp.float64), lane: wp.int32) -> Surface:
     return surface
 
 
-@functools.cache
+@made_once
 def each_lane(texture_filter: wp.Function, width: int, shape: Any = Chain) -> wp.Function:
     """The filling of a packet with filtered texels lane by lane: the plain form of every filter.
 
@@ -165,7 +165,7 @@ def each_lane(texture_filter: wp.Function, width: int, shape: Any = Chain) -> wp
     return fill
 
 
-@functools.cache
+@made_once
 def each_resolved(resolve: wp.Function, width: int) -> wp.Function:
     """The application of `resolve(texel, chain)` lane by lane: the plain form of every one."""
     take, put = take_from(width).native, put_in(width).native
@@ -178,7 +178,7 @@ def each_resolved(resolve: wp.Function, width: int) -> wp.Function:
     return resolve_lanes
 
 
-@functools.cache
+@made_once
 def resolved(fill: wp.Function, resolve_lanes: wp.Function, width: int) -> wp.Function:
     """The filling of a packet, followed by `resolve_lanes(lanes, chain, count)`."""
     texel_type = TEXELS[width]
@@ -197,7 +197,7 @@ def resolved(fill: wp.Function, resolve_lanes: wp.Function, width: int) -> wp.Fu
     return fill_and_resolve
 
 
-@functools.cache
+@made_once
 def plain_packet(reflect: wp.Function, width: int) -> wp.Function:
     """The shading of a packet lane by lane: the plain form of every reflectance model.
 

@@ -5,10 +5,9 @@ in Computer Graphics, B = C = 1/3) of radius 2 px, both separable. Beside edges 
 negative radiance, and alpha up to 2% above 1.
 """
 
-import functools
-
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.raster import sample_position
 from swimlab.render.kernels.structs import Grid
 
@@ -36,7 +35,7 @@ FILTERS = {"gaussian": (gaussian, 2), "mitchell": (mitchell, 2)}
 """Name -> the weight along one axis, and how many pixels around a pixel it reaches."""
 
 
-@functools.cache
+@made_once
 def gather_with(weight: wp.Function, reach: int) -> wp.Kernel:
     """The kernel that filters shaded samples [rows + 2 reach, width + 2 reach] pixels of n x n into rows of pixels."""
 

@@ -1,10 +1,9 @@
 """Shading the samples of a grid: the core of pixel shading, texture-space lighting and the reference."""
 
-import functools
-
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, locate_before, packet_end, rows_of
 from swimlab.render.kernels.raster import see_row
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Edges, Grid, Planes, Sun
@@ -87,7 +86,7 @@ def blanking() -> Twins:
     return Twins(blank, BLANK)
 
 
-@functools.cache
+@made_once
 def shade_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Function:
     """The function that filters, shades and averages all samples of a row of pixels; it returns their number.
 
@@ -141,7 +140,7 @@ def shade_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Fu
     return shade
 
 
-@functools.cache
+@made_once
 def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades rows of pixels of which it is known what they see, one thread a row (see `shade_row`).
 
@@ -172,7 +171,7 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
     return kernel
 
 
-@functools.cache
+@made_once
 def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that draws triangles: it clears rows of pixels, finds what they see and shades it, one thread a row.
 

@@ -4,11 +4,11 @@ The levels of a chain are packed one after another; every texel of a level is th
 centres lie at (i + .5) / n. Addresses repeat or clamp as the chain says.
 """
 
-import functools
 from typing import Any
 
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import ellipse, isotropic_level
 from swimlab.render.kernels.structs import TEXELS, Chain, Pages, Surface
 
@@ -71,7 +71,7 @@ HALVE = {
 """`halve` for every kind of texel."""
 
 
-@functools.cache
+@made_once
 def resolving(resolve: wp.Function, width: int) -> wp.Kernel:
     """The kernel that applies `resolve(texel, chain)` to every texel of a chain, of `width` floats."""
     texel_type = TEXELS[width]
@@ -179,7 +179,7 @@ def anisotropic(texels: wp.array(dtype=Any), chain: Any, surface: Surface, most:
     return total * (1.0 / wp.float32(probes.count))
 
 
-@functools.cache
+@made_once
 def anisotropic_to(most: int) -> wp.Function:
     """The anisotropic filter with up to `most` probes, as a technique's texture filter."""
 

@@ -3,10 +3,9 @@
 Pixel shading, texture-space lighting and the reference all call the same function over other domains.
 """
 
-import functools
-
 import warp as wp
 
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.structs import TEXELS, Sun, Surface
 
 wp.set_module_options({"enable_backward": False})
@@ -75,7 +74,7 @@ def tangent_about(normal: wp.vec3, along: wp.vec3) -> wp.vec3:
     return wp.normalize(tangent)
 
 
-@functools.cache
+@made_once
 def in_local_frame(evaluate: wp.Function, width: int) -> wp.Function:
     """A reflectance model over filtered texels of `width` floats, evaluated in the local frame of each texel.
 
@@ -101,7 +100,7 @@ def in_local_frame(evaluate: wp.Function, width: int) -> wp.Function:
     return reflect
 
 
-@functools.cache
+@made_once
 def shade_with(reflect: wp.Function, width: int) -> wp.Function:
     """The shading function: from a filtered texel of `width` floats, its surface and the sun to linear radiance."""
     texel_type = TEXELS[width]

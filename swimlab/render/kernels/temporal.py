@@ -1,10 +1,9 @@
 """Reuse of the previous frame: where a surface was, whether it was seen there, and the blend with its history."""
 
-import functools
-
 import warp as wp
 
 from metrics.kernels.forms import Form, Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.geometry import Previous, place_before
 from swimlab.render.kernels.history import premultiplying
@@ -70,7 +69,7 @@ def projecting() -> Twins:
     return Twins(project, PROJECT)
 
 
-@functools.cache
+@made_once
 def reproject_on(device: str) -> wp.Kernel:
     """The kernel that finds the surface at each pixel's centre, now and in the previous frame, one thread a row.
 
@@ -258,7 +257,7 @@ def copying() -> Twins:
     )
 
 
-@functools.cache
+@made_once
 def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Kernel:
     """The kernel that blends rows of a new frame into the history, or keeps them where that saw another surface.
 

@@ -7,13 +7,13 @@ time. The taps give the bits of the plain form; levels of detail, by a float log
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from itertools import product
 from typing import Any
 
 import warp as wp
 
 from metrics.kernels.forms import Form, Twins, Within, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels import sampling
 from swimlab.render.kernels.cpp import LOGARITHM
 from swimlab.render.kernels.packet import WIDTHS, each_lane
@@ -260,7 +260,7 @@ ISOTROPIC = TextureFilter(sampling.isotropic, isotropic)
 """Two levels about log2 of the longer derivative."""
 
 
-@cache
+@made_once
 def anisotropic_to(most: int) -> TextureFilter:
     """Up to `most` trilinear probes along the footprint's major axis."""
     return TextureFilter(sampling.anisotropic_to(most), lambda width: anisotropic(width, most))

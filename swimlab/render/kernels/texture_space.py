@@ -4,12 +4,12 @@ A target is cut into square tiles, each one texel of level `tile_level`. Of each
 read anywhere in it, or NEVER. An Atlas says how large the targets are and where their tiles are held.
 """
 
-import functools
 from typing import Any
 
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, packet_end, rows_of
 from swimlab.render.kernels.samples import gathering
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
@@ -173,7 +173,7 @@ def unpremultiplication() -> Twins:
 LIGHT_LANES = LANES * rows_of(4)
 
 
-@functools.cache
+@made_once
 def mark_with(mark: wp.Function) -> wp.Kernel:
     """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
 
@@ -205,7 +205,7 @@ def mark_with(mark: wp.Function) -> wp.Kernel:
     return kernel
 
 
-@functools.cache
+@made_once
 def paste_with(fill: wp.Function) -> wp.Kernel:
     """The kernel that fills rows of a picture from the targets: the light is the texture. One thread a row."""
     locate, gather, unpremultiply = locate_before(4).native, gathering().native, unpremultiplication().native

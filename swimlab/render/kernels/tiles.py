@@ -6,11 +6,10 @@ as many texels as a tile at level 0, at coarse levels of many tiles. Levels of a
 texel.
 """
 
-import functools
-
 import warp as wp
 
 from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, rows_of
 from swimlab.render.kernels.raster import covers
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Edges, Pages, Planes, Sun
@@ -249,7 +248,7 @@ def keeping() -> Twins:
     return Twins(keep, KEEP)
 
 
-@functools.cache
+@made_once
 def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades, reduces and keeps tiles, one thread a job. `lit` receives how many texels were shaded.
 

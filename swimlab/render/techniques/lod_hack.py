@@ -3,13 +3,13 @@
 The deck: "This will prevent aliasing, but isn't accurate".
 """
 
-import functools
 from typing import Any, Self
 
 import warp as wp
 from pydantic import Field, model_validator
 
 from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import isotropic_level
 from swimlab.render.kernels.sampling import anisotropic
 from swimlab.render.kernels.structs import Chain, Surface
@@ -32,7 +32,7 @@ class LodHackSettings(Settings):
         return self
 
 
-@functools.cache
+@made_once
 def flattened(start: float, end: float, most: int) -> wp.Function:
     """The filter: n.xy of the filtered normal times clamp((end - lod) / (end - start), 0, 1)."""
 

@@ -10,6 +10,7 @@ import warp as wp
 from pydantic import Field
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.making import made_once
 from swimlab.render.kernels.sampling import anisotropic
 from swimlab.render.kernels.structs import Chain, Surface
 from swimlab.render.kernels.texture_filter import TextureFilter, stretched
@@ -39,7 +40,7 @@ def normal_of(texel: Any) -> wp.vec3:
     return wp.normalize(wp.vec3(texel[3], texel[4], texel[5]))
 
 
-@functools.cache
+@made_once
 def widened(variance: float, threshold: float, most: int) -> wp.Function:
     """a^2' = min(1, a^2 + min(2 variance (|dN/dx|^2 + |dN/dy|^2), threshold)) with a^2 = 2/(power + 2)."""
 

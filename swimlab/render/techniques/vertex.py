@@ -6,7 +6,6 @@ its inputs further the smaller the frame is. On `road-scale` vertex lighting is 
 of 640x360, and nearer to the reference from 113x64 on. Highlights are smeared over quads, but stick to the road.
 """
 
-import functools
 from math import log2
 from typing import Annotated, Any
 
@@ -14,6 +13,7 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.making import made_once
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.raster import sample_position, see_row
 from swimlab.render.kernels.sampling import trilinear
@@ -34,7 +34,7 @@ class VertexSettings(Settings):
     quads: tuple[Quads, Quads] = Field((16, 16), description="quads of a segment, across and along (1..256)")
 
 
-@functools.cache
+@made_once
 def shade_vertices(reflect: wp.Function, width: int) -> wp.Kernel:
     """The kernel that shades one vertex a thread, from inputs at one level of detail, texels of `width` floats."""
     texel_type = TEXELS[width]

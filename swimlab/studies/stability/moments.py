@@ -75,6 +75,8 @@ def sloping(b: Doubles, *, power: float) -> Maps:
 def coarsest(launcher: Launcher, maps: Maps, inputs: Inputs) -> NDArray[Any]:
     """What the last texel of a chain of moments is resolved to."""
     chain = Material(launcher, maps).chain(inputs)
+    if inputs.resolve is None:
+        raise ValueError(f"{inputs.name}: filters no moments")
     out = launcher.empty(1, chain.texels.dtype)
     launcher.launch(resolve_coarsest(inputs.resolve), 1, [chain.shape, chain.texels, out])
     return np.asarray(out.numpy()[0])

@@ -1,7 +1,6 @@
 """Every kernel under Warp's debug mode, the only one that checks bounds; native code, which it cannot see into, between
 guards."""
 
-import functools
 import json
 import subprocess
 import sys
@@ -11,6 +10,7 @@ import pytest
 import warp as wp
 
 from metrics.kernels.launch import Strip
+from metrics.kernels.making import made_once
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.render.geometry import describe_geometry
@@ -120,7 +120,7 @@ GUARD = 64
 SENTINEL = -7.5
 
 
-@functools.cache
+@made_once
 def guarded_filling(fill, width):
     """A kernel that fills packets of `count` lanes whose rows lie between guards, and shows all of them."""
     texel_type = TEXELS[width]

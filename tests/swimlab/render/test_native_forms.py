@@ -1,6 +1,5 @@
 """Every declared native form against the plain form it stands for, on the same inputs."""
 
-import functools
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -15,6 +14,7 @@ from packets import SAMPLES, in_rows, shade
 import metrics.kernels
 import swimlab.render
 from metrics.kernels.forms import DECLARED
+from metrics.kernels.making import made_once
 from sequences import load
 from swimlab.render.catalogue import brdfs
 from swimlab.render.kernels.inspection import filtered_samples
@@ -72,7 +72,7 @@ def shaded(launcher, shoot, shade_packet, width):
     yield radiance
 
 
-@functools.cache
+@made_once
 def locating(locate):
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
