@@ -14,9 +14,10 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.geometry import Field, Geometry, Mask, Surface
-from metrics.kernels.follow import claim, find_smooth, land, steps
+from metrics.kernels.edges import claim, find_smooth, land
+from metrics.kernels.follow import steps
 from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
-from metrics.kernels.interpolation import field_spline, picture_spline, taken
+from metrics.kernels.interpolation import Splines, taken
 from metrics.kernels.launch import Launcher
 from metrics.tiles import Level
 from metrics.transform import TileTransform
@@ -53,6 +54,7 @@ class Correspondence:
         self._geometry, self._launcher = geometry, launcher
         self._start, self._stop = start, stop
         self._steps = steps(launcher.device)
+        self._splines = Splines(launcher)
         self._middle = (start + stop - 1) // 2
         self._held: list[Field] = []
         later: list[Field] = []
@@ -85,8 +87,8 @@ class Correspondence:
         """Rows of a picture [channels, H, W] as seen from the middle frame: taken `away`, 0 where not usable."""
         launcher = self._launcher
         usable = launcher.view(self.usable[rows].view(np.uint8), wp.uint8)
-        spline = picture_spline(launcher, picture.astype(np.float32, copy=False))
-        return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
+        with self._splines.of_picture(picture.astype(np.float32, copy=False)) as spline:
+            return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
 
     def left_of(self, levels: Sequence[Level]) -> list[NDArray[np.float64]]:
         """For every level [n, octaves], the share of a noise's energy that is left in its tiles, mean over the frames.
@@ -107,7 +109,8 @@ class Correspondence:
         away = rest
         for t in range(self._middle - 1, self._start - 1, -1):
             after = _field(self._geometry.surface(t + 1))
-            away = self._glued(self._steps.glue_back, field_spline(launcher, after), away)
+            with self._splines.of_field(after) as motion:
+                away = self._glued(self._steps.glue_back, motion, away)
         for t in range(self._start, self._stop):
             if t > self._start:
                 motion = _field(self._geometry.surface(t))
@@ -129,7 +132,8 @@ class Correspondence:
         self._sum_gains(away, gains)
         for t in range(self._middle - 1, self._start - 1, -1):
             after = self._geometry.surface(t + 1)
-            launcher.over(shape[0], self._steps.back, shape[1:], [field_spline(launcher, _field(after)), 0, away])
+            with self._splines.of_field(_field(after)) as field:
+                launcher.over(shape[0], self._steps.back, (), [field, 0, away])
             inner = self._inner(t, self._geometry.surface(t)) & ~self._meet(after)
             self._land(inner, away, usable)
             self._sum_gains(away, gains)
@@ -153,24 +157,25 @@ class Correspondence:
     def _sum_gains(self, away: Any, gains: Any) -> None:
         launcher = self._launcher
         left = launcher.view(table(), wp.vec3)
-        launcher.over(away.shape[0], add_gains, away.shape[1:], [away, left, gains])
+        launcher.over(away.shape[0], add_gains, (), [away, left, gains])
         self._sampled.append(np.array(away.numpy()[::SAMPLED, ::SAMPLED]))
 
     def _step_ahead(self, t: int, top: int, away: Any, moved: Any, usable: Any) -> None:
         launcher = self._launcher
-        spline = field_spline(launcher, _field(self._geometry.surface(t)))
-        launcher.over(away.shape[0], self._steps.ahead, away.shape[1:], [spline, top, away, moved, LOST, usable])
+        with self._splines.of_field(_field(self._geometry.surface(t))) as field:
+            launcher.over(away.shape[0], self._steps.ahead, (), [field, top, away, moved, LOST, usable])
 
     def _land(self, inner: Mask, away: Any, usable: Any) -> None:
         launcher = self._launcher
         landing = launcher.view(inner.view(np.uint8), wp.uint8)
-        launcher.over(away.shape[0], land, away.shape[1:], [landing, 0, away, 1 / SHRINK, usable])
+        launcher.over(away.shape[0], land, (), [landing, 0, away, 1 / SHRINK, usable])
 
     def _glued(self, kernel: wp.Kernel, motion: Any, nearer: Field) -> Field:
         """Where what a frame sees is in the middle frame, from where what its neighbour sees is."""
         launcher, shape = self._launcher, self._geometry.shape
         away = launcher.empty(shape, wp.vec2)
-        launcher.over(shape[0], kernel, shape[1:], [motion, field_spline(launcher, nearer), away])
+        with self._splines.of_field(nearer) as there:
+            launcher.over(shape[0], kernel, (), [motion, there, away])
         return np.asarray(away.numpy())
 
     def _inner(self, t: int, surface: Surface) -> Mask:
@@ -182,7 +187,7 @@ class Correspondence:
             launcher, shape = self._launcher, self._geometry.shape
             smooth = launcher.empty(shape, wp.uint8)
             fields = [launcher.view(_field(surface), wp.vec2), BEND, launcher.view(whole, wp.uint8), smooth]
-            launcher.over(shape[0], find_smooth, shape[1:], fields)
+            launcher.over(shape[0], find_smooth, (), fields)
             whole = smooth.numpy()
         square = np.ones((2 * MARGIN + 1, 2 * MARGIN + 1), np.uint8)
         return np.asarray(cv2.erode(whole, square, borderType=cv2.BORDER_CONSTANT, borderValue=0)).view(bool)
@@ -208,7 +213,7 @@ def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Field, Field
     least = launcher.array(np.full(shape, np.inf, np.float32), wp.float32)
     most = launcher.array(np.full(shape, -np.inf, np.float32), wp.float32)
     shown_there = launcher.view(shown.view(np.uint8), wp.uint8)
-    launcher.launch(claim, shown.shape, [launcher.view(motion, wp.vec2), shown_there, least, most])
+    launcher.launch(claim, shown.shape[0], [launcher.view(motion, wp.vec2), shown_there, least, most])
     return np.asarray(least.numpy()), np.asarray(most.numpy())
 
 

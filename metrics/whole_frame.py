@@ -146,13 +146,13 @@ class WholeFrame:
 
     def _compare(self, frame: Image, before: Image, surface: Surface, owner: Any, reached: Mask) -> Any:
         """What `compare_pairs` finds of the pixels that tiles do not reach."""
-        launcher, (height, width) = self.launcher, reached.shape
+        launcher, height = self.launcher, len(reached)
         skipped = reached | ~surface.covered
-        found = launcher.empty((height, width), wp.vec4)
+        found = launcher.empty(reached.shape, wp.vec4)
         pictures = [launcher.view(each, wp.float32) for each in (frame, before)]
         fields = [launcher.view(surface.motion, wp.vec2), owner, ALIKE]
         masks = [launcher.view(skipped.view(np.uint8), wp.uint8), found]
-        launcher.over(height, compare_pairs, (width,), [*pictures, *fields, *masks])
+        launcher.over(height, compare_pairs, (), [*pictures, *fields, *masks])
         return found
 
     @property
@@ -239,7 +239,7 @@ def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
     limits = [launcher.view(limit, wp.float32) for limit in claims(launcher, surface.motion, surface.covered)]
     owner = launcher.empty(covered.shape, wp.vec2)
     fields = [launcher.view(own, wp.vec2), launcher.view(covered.view(np.uint8), wp.uint8), ALIKE, owner]
-    launcher.over(covered.shape[0], own_places, covered.shape[1:], [*limits, *fields])
+    launcher.over(covered.shape[0], own_places, (), [*limits, *fields])
     return owner
 
 
@@ -280,7 +280,7 @@ def _landed(away: Field, reached: Mask, launcher: Launcher) -> Mask:
 
     landed = launcher.zeros(reached.shape, wp.uint8)
     inputs = [launcher.view(reached.view(np.uint8), wp.uint8), launcher.view(away, wp.vec2), landed]
-    launcher.over(reached.shape[0], mark_landed, reached.shape[1:], inputs)
+    launcher.over(reached.shape[0], mark_landed, (), inputs)
     square = np.ones((3, 3), np.uint8)
     closed = cv2.morphologyEx(landed.numpy(), cv2.MORPH_CLOSE, square, borderType=cv2.BORDER_CONSTANT, borderValue=0)
     return np.asarray((closed > 0) | (landed.numpy() > 0))

@@ -3,45 +3,43 @@
 import numpy as np
 import warp as wp
 
-from metrics.kernels.splines import LINES, VECTORS
+from metrics.kernels.splines import LINES
 
 
 def filtered(launcher, shoot, filter, width):
-    """Lines of many lengths, also shorter than the recursions look ahead, of which not all fill a group."""
+    """Lines of many lengths, rows and columns and of two in turns, also shorter than the recursions look ahead.
 
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(values: wp.array2d(dtype=VECTORS[width])):
-        filter(LINES * wp.tid(), values)
-
-    for count, length in ((LINES + 3, 70), (2, 9), (1, 1)):
-        random = np.random.default_rng(0).random((count, length, width), np.float32)
-        values = launcher.array(random, VECTORS[width])
-        launcher.launch(kernel, -(-count // LINES), [values])
-        assert (values.numpy() != random).any()
-        yield values.numpy()
-
-
-def looked_up(launcher, shoot, take, width):
-    """Places all over a field, and far beyond it."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(field: wp.array2d(dtype=wp.vec2), away: wp.array(dtype=wp.vec2), found: wp.array(dtype=wp.vec2)):
-        found[wp.tid()] = take(field, 4, 9, away[wp.tid()])
-
-    random = np.random.default_rng(0)
-    field = launcher.array(random.random((11, 17, 2), np.float32), wp.vec2)
-    away, found = launcher.array(random.uniform(-30, 30, (500, 2)), wp.vec2), launcher.zeros(500, wp.vec2)
-    launcher.launch(kernel, 500, [field, away, found])
-    assert found.numpy().std() > 0.05
-    yield found.numpy()
-
-
-def unwarped(launcher, shoot, unwarp, width):
-    """Rows of a picture, some pixels of which are not usable."""
+    Not all of them fill a group, or groups of places.
+    """
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
-        picture: wp.array2d(dtype=wp.vec4),
+        source: wp.array2d(dtype=wp.float32), values: wp.array2d(dtype=wp.float32), scratch: wp.array(dtype=wp.float32)
+    ):
+        filter(LINES * wp.tid(), source, values, scratch)
+
+    for count, length in ((LINES + 3, 70), (2, 9), (1, 1)):
+        random = np.random.default_rng(0).random((count, length, 2), np.float32)
+        pairs, scratch = launcher.array(random, wp.float32), launcher.empty(LINES * length, wp.float32)
+        groups = -(-count // LINES)
+        apart, upright = launcher.empty((count, length), wp.float32), launcher.empty((length, count), wp.float32)
+        launcher.launch(kernel, groups, [pairs[:, :, 1], apart, scratch])
+        assert (apart.numpy() != random[..., 1]).any()
+        launcher.launch(kernel, groups, [pairs[:, :, 1], upright.transpose(), scratch])
+        assert np.array_equal(upright.numpy().T, apart.numpy())
+        upright.assign(random[..., 1].T)
+        for lines in (upright.transpose(), launcher.array(random[..., 1], wp.float32)):
+            launcher.launch(kernel, groups, [lines, lines, scratch])
+            assert np.array_equal(lines.numpy(), apart.numpy())
+        yield apart.numpy()
+
+
+def unwarped(launcher, shoot, unwarp, width):
+    """Rows of a picture, some pixels of which are not usable; places far apart, and side by side."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        picture: wp.array3d(dtype=wp.float32),
         away: wp.array2d(dtype=wp.vec2),
         usable: wp.array2d(dtype=wp.uint8),
         seen: wp.array3d(dtype=wp.float32),
@@ -50,32 +48,93 @@ def unwarped(launcher, shoot, unwarp, width):
 
     random = np.random.default_rng(0)
     usable = random.random((9, 40)) < 0.7
-    inputs = [
-        launcher.array(random.random((30, 40, 4), np.float32), wp.vec4),
-        launcher.array(random.uniform(-20, 20, (9, 40, 2)), wp.vec2),
-        launcher.array(usable.view(np.uint8), wp.uint8),
-    ]
+    picture, apart = random.random((3, 30, 40), np.float32), random.uniform(-20, 20, (9, 40, 2))
+    there = launcher.array(usable.view(np.uint8), wp.uint8)
     for channels in (1, 3):
-        seen = launcher.empty((channels, 9, 40), wp.float32)
-        launcher.launch(kernel, 9, [*inputs, seen])
-        assert not seen.numpy()[:, ~usable].any()
-        assert seen.numpy()[:, usable].all()
-        yield seen.numpy()
+        for places in (apart, random.uniform(0, 1, (9, 40, 2)), 0.05 * np.indices((9, 40)).T.swapaxes(0, 1)):
+            seen = launcher.empty((channels, 9, 40), wp.float32)
+            inputs = [launcher.array(picture[:channels], wp.float32), launcher.array(places, wp.vec2), there]
+            launcher.launch(kernel, 9, [*inputs, seen])
+            assert not seen.numpy()[:, ~usable].any()
+            assert seen.numpy()[:, usable].all()
+            yield seen.numpy()
 
 
-def interleaved(launcher, shoot, interleave, width):
-    """Pictures of one and of three planes."""
+FIELD = (2, 11, 37)
+"""Planes, height and width of the fields that places are followed through."""
+
+
+def fields(launcher):
+    """A field, a second one, and places of two rows: far beyond the field's edges, and side by side within it."""
+    random = np.random.default_rng(0)
+    smooth, other = (launcher.array(random.uniform(-0.2, 0.2, FIELD), wp.float32) for _ in range(2))
+    for places in (random.uniform(-40, 40, (2, FIELD[2], 2)), 0.1 * random.random((2, FIELD[2], 2))):
+        yield smooth, other, places
+
+
+def taken_back(launcher, shoot, back, width):
+    """Two rows of places, one frame back."""
 
     @wp.kernel(module="unique", enable_backward=False)
-    def kernel(planes: wp.array3d(dtype=wp.float32), picture: wp.array2d(dtype=wp.vec4)):
-        interleave(wp.tid(), planes, picture)
+    def kernel(field: wp.array3d(dtype=wp.float32), away: wp.array2d(dtype=wp.vec2)):
+        back(wp.tid(), field, 4, away)
 
-    for channels in (1, 3):
-        planes = np.random.default_rng(0).random((channels, 3, 7), np.float32)
-        picture = launcher.empty((3, 7), wp.vec4)
-        launcher.launch(kernel, 3, [launcher.array(planes, wp.float32), picture])
-        assert np.array_equal(np.moveaxis(picture.numpy(), 2, 0)[:channels], planes)
-        yield picture.numpy()
+    for field, _, places in fields(launcher):
+        away = launcher.array(places, wp.vec2)
+        launcher.launch(kernel, 2, [field, away])
+        assert np.abs(away.numpy() - places).std() > 0.01
+        yield away.numpy()
+
+
+def taken_ahead(launcher, shoot, ahead, width):
+    """Two rows of places, one frame ahead, from guesses; none is lost where the field is smooth."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        field: wp.array3d(dtype=wp.float32),
+        away: wp.array2d(dtype=wp.vec2),
+        moved: wp.array2d(dtype=wp.vec2),
+        usable: wp.array2d(dtype=wp.uint8),
+    ):
+        ahead(wp.tid(), field, 4, away, moved, 1e-3, usable)
+
+    for field, _, places in fields(launcher):
+        away, moved = launcher.array(places, wp.vec2), launcher.array(0 * places + 0.1, wp.vec2)
+        usable = launcher.array(np.ones(places.shape[:2], np.uint8), wp.uint8)
+        launcher.launch(kernel, 2, [field, away, moved, usable])
+        assert usable.numpy().all()
+        assert np.allclose(away.numpy() - moved.numpy(), places, atol=1e-5)
+        yield away.numpy()
+
+
+def glued_back(launcher, shoot, back, width):
+    """Two rows of pixels, whose surface is in a later frame."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        field: wp.array3d(dtype=wp.float32), later: wp.array3d(dtype=wp.float32), away: wp.array2d(dtype=wp.vec2)
+    ):
+        back(wp.tid(), field, later, away)
+
+    field, later, _ = next(fields(launcher))
+    away = launcher.empty((2, FIELD[2]), wp.vec2)
+    launcher.launch(kernel, 2, [field, later, away])
+    yield away.numpy()
+
+
+def glued_ahead(launcher, shoot, ahead, width):
+    """The same of an earlier frame."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        motion: wp.array2d(dtype=wp.vec2), earlier: wp.array3d(dtype=wp.float32), away: wp.array2d(dtype=wp.vec2)
+    ):
+        ahead(wp.tid(), motion, earlier, away)
+
+    for _, earlier, places in fields(launcher):
+        away = launcher.empty((2, FIELD[2]), wp.vec2)
+        launcher.launch(kernel, 2, [launcher.array(places, wp.vec2), earlier, away])
+        yield away.numpy()
 
 
 def waves(launcher, shoot, sum_waves, width):
@@ -176,10 +235,12 @@ def by_bin(launcher, shoot, add, width):
 
 
 RUNS = {
-    ("first", "values"): filtered,
-    ("field", "row", "column", "away"): looked_up,
+    ("first", "source", "values", "scratch"): filtered,
+    ("line", "field", "top", "away"): taken_back,
+    ("line", "field", "top", "away", "moved", "lost", "usable"): taken_ahead,
+    ("line", "field", "later", "away"): glued_back,
+    ("line", "motion", "earlier", "away"): glued_ahead,
     ("line", "picture", "away", "usable", "top", "seen"): unwarped,
-    ("row", "planes", "picture"): interleaved,
     ("row", "across", "along", "frequency", "amplitude", "away", "values"): waves,
     ("index", "picture", "corners", "window", "levelling", "phase", "spectra", "mean"): transformed,
     ("tile", "spectra", "octaves", "energies"): summed,

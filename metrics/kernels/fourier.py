@@ -10,12 +10,10 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.lanes import LANES, transposition
 from metrics.kernels.making import made_once
 
 wp.set_module_options({"enable_backward": False})
-
-LANES = 16
-"""Columns at most that are transformed side by side."""
 
 _CODE = """
     constexpr int N = %(size)d, H = N/2, L = %(lanes)d, W = H/L;
@@ -198,7 +196,7 @@ def tile_spectrum(size: int) -> Twins:
         "lanes": lanes,
         "cosines": _literals(np.cos(angle)),
         "sines": _literals(np.sin(angle)),
-        "transposition": _transposition(lanes),
+        "transposition": transposition(lanes),
         "interleaved": ", ".join(f"{lane}, {lanes + lane}" for lane in range(lanes)),
     }
     return Twins(transform, code, size)
@@ -226,17 +224,3 @@ def tile_spectra(size: int) -> wp.Kernel:
 
 def _literals(values: NDArray[np.float64]) -> str:
     return ", ".join(f"{value:.9e}f" for value in values.tolist())
-
-
-def _transposition(lanes: int) -> str:
-    """What transposes a block of as many rows as lanes: ever larger quarters above and below the diagonal change."""
-    lines = []
-    for step in (2**power for power in range(lanes.bit_length() - 1)):
-        upper = ", ".join(str(lanes + lane - step if lane & step else lane) for lane in range(lanes))
-        lower = ", ".join(str(lanes + lane if lane & step else lane + step) for lane in range(lanes))
-        for row in range(lanes):
-            if not row & step:
-                lines.append(f"        a = block[{row}], b = block[{row + step}];")
-                lines.append(f"        block[{row}] = __builtin_shufflevector(a, b, {upper});")
-                lines.append(f"        block[{row + step}] = __builtin_shufflevector(a, b, {lower});")
-    return "\n".join(lines)

@@ -74,8 +74,8 @@ def add_gains(
     left: wp.array2d(dtype=wp.vec3),
     gains: wp.array2d(dtype=wp.vec3),
 ):
-    """Add what is left, by the table, of a picture that is taken `away` px from each pixel."""
-    row, column = wp.tid()
-    row += first
-    place = away[row, column]
-    gains[row, column] = gains[row, column] + left[step_of(place[1]), step_of(place[0])]
+    """Add what is left, by the table, of a picture that is taken `away` px from each pixel, a row a thread."""
+    row = first + wp.tid()
+    for column in range(away.shape[1]):
+        place = away[row, column]
+        gains[row, column] = gains[row, column] + left[step_of(place[1]), step_of(place[0])]

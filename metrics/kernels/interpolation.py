@@ -1,5 +1,8 @@
 """Splines through pictures and motion fields, and pictures taken at other places, on all cores."""
 
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
@@ -7,29 +10,51 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from metrics.kernels.splines import LINES, filter_lines, interleave_rows, unwarp_rows
+from metrics.kernels.splines import LINES, filter_lines
+from metrics.kernels.unwarping import unwarp_rows
 
 Values = NDArray[np.float32]
 
 
-def field_spline(launcher: Launcher, motion: Values) -> Any:
-    """Cubic coefficients of a motion field [H, W, 2], px (x, y), on the device."""
-    return _filtered(launcher, launcher.array(motion, wp.vec2), 2, 3)
+class Splines:
+    """Makes coefficients of splines on the device, for the length of a `with`; memory is kept for the next."""
 
+    def __init__(self, launcher: Launcher) -> None:
+        self._launcher = launcher
+        self._idle: dict[tuple[int, ...], list[Any]] = defaultdict(list)
 
-def picture_spline(launcher: Launcher, planes: Values) -> Any:
-    """Quintic coefficients of a picture's planes [1 to 3, H, W], on the device, as vectors of 4."""
-    height, width = planes.shape[1:]
-    picture = launcher.empty((height, width), wp.vec4)
-    launcher.over(height, interleave_rows(launcher.device), (), [launcher.view(planes, wp.float32), picture])
-    return _filtered(launcher, picture, 4, 5)
+    def of_field(self, motion: Values) -> AbstractContextManager[Any]:
+        """Cubic coefficients [2, H, W] (x, y) of a motion field [H, W, 2], px."""
+        field = self._launcher.view(motion, wp.float32)
+        return self._coefficients([field[:, :, axis] for axis in range(2)], 3)
 
+    def of_picture(self, planes: Values) -> AbstractContextManager[Any]:
+        """Quintic coefficients of a picture's planes [1 to 3, H, W]."""
+        picture = self._launcher.view(planes, wp.float32)
+        return self._coefficients([picture[channel] for channel in range(len(planes))], 5)
 
-def _filtered(launcher: Launcher, values: Any, width: int, degree: int) -> Any:
-    kernel = filter_lines(width, degree, launcher.device)
-    for lines in (values, values.transpose()):
-        launcher.over(lines.shape[0], kernel, (), [lines], each=LINES)
-    return values
+    @contextmanager
+    def _coefficients(self, planes: list[Any], degree: int) -> Iterator[Any]:
+        shape = (len(planes), *planes[0].shape)
+        idle = self._idle[shape]
+        try:
+            found = idle.pop()
+        except IndexError:
+            found = self._launcher.empty(shape, wp.float32)
+        for number, plane in enumerate(planes):
+            self._filter(plane, found[number], degree)
+            self._filter(found[number].transpose(), found[number].transpose(), degree)
+        yield found
+        idle.append(found)
+
+    def _filter(self, source: Any, values: Any, degree: int) -> None:
+        launcher, (lines, length) = self._launcher, values.shape
+
+        def scratch(rows: int) -> list[Any]:
+            return [launcher.empty(-(-rows // LINES) * LINES * length, wp.float32)]
+
+        kernel = filter_lines(degree, launcher.device)
+        launcher.over(lines, kernel, (), [source, values], each=LINES, own=scratch)
 
 
 def taken(launcher: Launcher, spline: Any, away: Any, usable: Any, top: int, channels: int) -> Values:

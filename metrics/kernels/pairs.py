@@ -40,45 +40,32 @@ def own_places(
 
     That of the pixels that claim it where they agree (see `follow.claim`), else what the frame before has itself.
     """
-    row, column = wp.tid()
-    row += first
-    low = wp.vec2(least[row, column, 0], least[row, column, 1])
-    high = wp.vec2(most[row, column, 0], most[row, column, 1])
-    found = motion[row, column]
-    # Where nothing claims the place these are infinite, and no comparison holds.
-    if high[0] - low[0] <= alike and high[1] - low[1] <= alike and high[0] >= low[0]:
-        found = (low + high) / 2.0
-    if covered[row, column] == wp.uint8(0):
-        found = wp.vec2(wp.nan, wp.nan)
-    owner[row, column] = found
+    row = first + wp.tid()
+    for column in range(motion.shape[1]):
+        low = wp.vec2(least[row, column, 0], least[row, column, 1])
+        high = wp.vec2(most[row, column, 0], most[row, column, 1])
+        found = motion[row, column]
+        # Where nothing claims the place these are infinite, and no comparison holds.
+        if high[0] - low[0] <= alike and high[1] - low[1] <= alike and high[0] >= low[0]:
+            found = (low + high) / 2.0
+        if covered[row, column] == wp.uint8(0):
+            found = wp.vec2(wp.nan, wp.nan)
+        owner[row, column] = found
 
 
-@wp.kernel
-def compare_pairs(
-    first: wp.int32,
+@wp.func
+def pair_of(
     frame: wp.array3d(dtype=wp.float32),
     before: wp.array3d(dtype=wp.float32),
-    motion: wp.array2d(dtype=wp.vec2),
+    moved: wp.vec2,
     owner: wp.array2d(dtype=wp.vec2),
     alike: wp.float32,
-    skipped: wp.array2d(dtype=wp.uint8),
-    found: wp.array2d(dtype=wp.vec4),
-):
-    """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
-    interpolated and not. Squares are means over channels. What is skipped is left as it is.
-
-    frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
-    of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`
-    px.
-    """
-    row, column = wp.tid()
-    i = first + row
-    if skipped[i, column] != wp.uint8(0):
-        return
-    found[i, column] = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    moved = motion[i, column]
+    row: wp.int32,
+    column: wp.int32,
+) -> wp.vec4:
+    """What `compare_pairs` finds of a pixel that moved so far since the frame before."""
     x = wp.float32(column) - moved[0]
-    y = wp.float32(i) - moved[1]
+    y = wp.float32(row) - moved[1]
     left = wp.int32(wp.floor(x)) - 1
     top = wp.int32(wp.floor(y)) - 1
     total = wp.float32(0.0)
@@ -101,10 +88,35 @@ def compare_pairs(
                     weight = hat(dx) * hat(dy)
                     near += weight
                     square += weight * wp.dot(there, there)
-    if total > 0.5 and near > 0.0:
-        value = value / total
-        off = wp.vec3(frame[0, i, column], frame[1, i, column], frame[2, i, column]) - value
-        found[i, column] = wp.vec4(1.0, wp.dot(off, off) / 3.0, wp.dot(value, value) / 3.0, square / near / 3.0)
+    if total <= 0.5 or near <= 0.0:
+        return wp.vec4(0.0, 0.0, 0.0, 0.0)
+    value = value / total
+    off = wp.vec3(frame[0, row, column], frame[1, row, column], frame[2, row, column]) - value
+    return wp.vec4(1.0, wp.dot(off, off) / 3.0, wp.dot(value, value) / 3.0, square / near / 3.0)
+
+
+@wp.kernel
+def compare_pairs(
+    first: wp.int32,
+    frame: wp.array3d(dtype=wp.float32),
+    before: wp.array3d(dtype=wp.float32),
+    motion: wp.array2d(dtype=wp.vec2),
+    owner: wp.array2d(dtype=wp.vec2),
+    alike: wp.float32,
+    skipped: wp.array2d(dtype=wp.uint8),
+    found: wp.array2d(dtype=wp.vec4),
+):
+    """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
+    interpolated and not. Squares are means over channels. What is skipped is left as it is.
+
+    frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
+    of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`
+    px. A thread takes a row.
+    """
+    row = first + wp.tid()
+    for column in range(motion.shape[1]):
+        if skipped[row, column] == wp.uint8(0):
+            found[row, column] = pair_of(frame, before, motion[row, column], owner, alike, row, column)
 
 
 @wp.kernel
@@ -148,10 +160,10 @@ def mark_landed(
     landed: wp.array2d(dtype=wp.uint8),
 ):
     """Mark the pixels that reached ones land on; several may write, but all the same."""
-    row, column = wp.tid()
-    row += first
-    if reached[row, column] != wp.uint8(0):
-        x = column + wp.int32(wp.rint(away[row, column][0]))
-        y = row + wp.int32(wp.rint(away[row, column][1]))
-        if x >= 0 and y >= 0 and x < landed.shape[1] and y < landed.shape[0]:
-            landed[y, x] = wp.uint8(1)
+    row = first + wp.tid()
+    for column in range(away.shape[1]):
+        if reached[row, column] != wp.uint8(0):
+            x = column + wp.int32(wp.rint(away[row, column][0]))
+            y = row + wp.int32(wp.rint(away[row, column][1]))
+            if x >= 0 and y >= 0 and x < landed.shape[1] and y < landed.shape[0]:
+                landed[y, x] = wp.uint8(1)

@@ -1,5 +1,7 @@
 """Motions that no single velocity describes: frames are unwarped by exact correspondence."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from occluder import Occluder
@@ -53,6 +55,19 @@ def test_a_screen_fixed_error_and_noise_under_rotation_are_flicker(rotation, ref
     fixed = 0.1 * texture(13).at(*rotation.surface(0))
     for error in (lambda _: fixed, lambda _: random.standard_normal((SIZE, SIZE, 3))):
         assert flicker(rotation, reference, error, alignment)[0] > tolerance("moving")
+
+
+def test_clips_that_share_an_alignment_may_be_measured_at_once(rotation, reference, alignment):
+    random = np.random.default_rng(6)
+    errors = [0.1 * random.standard_normal((FRAMES, SIZE, SIZE, 3)) for _ in range(3)]
+
+    def scores(error):
+        return flicker(rotation, reference, error.__getitem__, alignment)[1]
+
+    one_by_one = [scores(error) for error in errors]
+    for _ in range(3):
+        with ThreadPoolExecutor(len(errors)) as pool:
+            assert list(pool.map(scores, errors)) == one_by_one
 
 
 @pytest.mark.parametrize("room", [0, 1e9])

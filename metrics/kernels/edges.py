@@ -1,0 +1,120 @@
+"""Where surfaces end: where they can be followed, where their motion bends, and which pixels claim one place.
+
+A thread takes a row of pixels: to find its pixel would cost one that takes a pixel more than its work.
+"""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.func
+def slope(
+    away: wp.array2d(dtype=wp.vec2), line: wp.int32, column: wp.int32, down: wp.int32, right: wp.int32
+) -> wp.vec2:
+    """How a place changes for each px down, or right: a difference of both neighbours, of one at an edge."""
+    before_line = wp.max(line - down, 0)
+    before_column = wp.max(column - right, 0)
+    after_line = wp.min(line + down, away.shape[0] - 1)
+    after_column = wp.min(column + right, away.shape[1] - 1)
+    steps = wp.float32(after_line - before_line + after_column - before_column)
+    change = away[after_line, after_column] - away[before_line, before_column]
+    return change / wp.max(steps, 1.0) + wp.vec2(wp.float32(right), wp.float32(down))
+
+
+@wp.func
+def lands(
+    inner: wp.array2d(dtype=wp.uint8),
+    top: wp.int32,
+    away: wp.array2d(dtype=wp.vec2),
+    shortest: wp.float32,
+    line: wp.int32,
+    column: wp.int32,
+) -> wp.bool:
+    """Whether the place is an inner pixel, and a step of 1 px there is nowhere shorter than `shortest` px."""
+    x = column + wp.int32(wp.rint(away[line, column][0]))
+    y = top + line + wp.int32(wp.rint(away[line, column][1]))
+    if x < 0 or y < 0 or x >= inner.shape[1] or y >= inner.shape[0]:
+        return False
+    across = slope(away, line, column, 0, 1)
+    along = slope(away, line, column, 1, 0)
+    # The smaller singular value of the map's Jacobian.
+    sum = wp.dot(across, across) + wp.dot(along, along)
+    area = across[0] * along[1] - across[1] * along[0]
+    least = sum / 2.0 - wp.sqrt(wp.max(sum * sum / 4.0 - area * area, 0.0))
+    return inner[y, x] != wp.uint8(0) and least > shortest * shortest
+
+
+@wp.kernel
+def land(
+    first: wp.int32,
+    inner: wp.array2d(dtype=wp.uint8),
+    top: wp.int32,
+    away: wp.array2d(dtype=wp.vec2),
+    shortest: wp.float32,
+    usable: wp.array2d(dtype=wp.uint8),
+):
+    """Usable only what `lands`."""
+    line = first + wp.tid()
+    for column in range(away.shape[1]):
+        if usable[line, column] != wp.uint8(0) and not lands(inner, top, away, shortest, line, column):
+            usable[line, column] = wp.uint8(0)
+
+
+@wp.func
+def bends(
+    motion: wp.array2d(dtype=wp.vec2),
+    bend: wp.float32,
+    whole: wp.array2d(dtype=wp.uint8),
+    row: wp.int32,
+    column: wp.int32,
+    down: wp.int32,
+    right: wp.int32,
+) -> wp.bool:
+    """Whether the second difference down, or to the right, over wholly covered pixels is above `bend` px."""
+    if row < down or column < right or row + down >= motion.shape[0] or column + right >= motion.shape[1]:
+        return False
+    if whole[row - down, column - right] == wp.uint8(0) or whole[row + down, column + right] == wp.uint8(0):
+        return False
+    bent = motion[row - down, column - right] - 2.0 * motion[row, column] + motion[row + down, column + right]
+    return wp.abs(bent[0]) > bend or wp.abs(bent[1]) > bend
+
+
+@wp.kernel
+def find_smooth(
+    first: wp.int32,
+    motion: wp.array2d(dtype=wp.vec2),
+    bend: wp.float32,
+    whole: wp.array2d(dtype=wp.uint8),
+    smooth: wp.array2d(dtype=wp.uint8),
+):
+    """smooth: wholly covered pixels at which the motion has no edge."""
+    row = first + wp.tid()
+    for column in range(motion.shape[1]):
+        smooth[row, column] = whole[row, column]
+        if whole[row, column] != wp.uint8(0):
+            if bends(motion, bend, whole, row, column, 1, 0) or bends(motion, bend, whole, row, column, 0, 1):
+                smooth[row, column] = wp.uint8(0)
+
+
+@wp.kernel
+def claim(
+    motion: wp.array2d(dtype=wp.vec2),
+    shown: wp.array2d(dtype=wp.uint8),
+    least: wp.array3d(dtype=wp.float32),
+    most: wp.array3d(dtype=wp.float32),
+):
+    """Every pixel shown claims the place that it comes from: of the motions that claim a place the least and the most.
+
+    It writes where others may write too: on the CPU it is launched once, for all rows.
+    """
+    row = wp.tid()
+    for column in range(motion.shape[1]):
+        if shown[row, column] != wp.uint8(0):
+            moved = motion[row, column]
+            x = wp.int32(wp.rint(wp.float32(column) - moved[0]))
+            y = wp.int32(wp.rint(wp.float32(row) - moved[1]))
+            if x >= 0 and y >= 0 and x < motion.shape[1] and y < motion.shape[0]:
+                for axis in range(2):
+                    wp.atomic_min(least, y, x, axis, moved[axis])
+                    wp.atomic_max(most, y, x, axis, moved[axis])
