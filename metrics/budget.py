@@ -20,9 +20,9 @@ from metrics.octaves import OCTAVES, WHITE
 from metrics.parts import pieces
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import Batch, RunningMean
+from metrics.spectra import Batch, split
 from metrics.tiles import Level
-from metrics.transform import Energy, follow, octave_energy
+from metrics.transform import Energy
 
 CUT = 1 / 16
 """Cycles/px at which detail begins; an octave begins there too."""
@@ -70,12 +70,12 @@ class Budget:
         self._strip: dict[int, Energy] = {}
 
     def held(self, level: Level) -> float:
-        return (1 + self._context.has_reference) * level.held
+        del level
+        return 0.0
 
     def begin(self, span: Span) -> None:
         self._span = span
-        self._last = [np.zeros((lv.count, 3, *lv.spectrum_shape), dtype=np.complex64) for lv in span.levels]
-        self._running = RunningMean(span) if self._context.has_reference else None
+        self._energy, self._varied = ([np.zeros((lv.count, len(OCTAVES))) for lv in span.levels] for _ in range(2))
         self._noise, self._weight = ([np.zeros(lv.count) for lv in span.levels] for _ in range(2))
         # Sums over a piece's tiles, frame by frame.
         self._weights = np.zeros((span.count, len(pieces(span))))
@@ -83,13 +83,14 @@ class Budget:
 
     def add(self, batch: Batch) -> None:
         row = (batch.frame - self._span.start, batch.piece)
-        spectra = batch.test if batch.error is None else batch.error
-        self._weights[row] = 3 * batch.weight * len(spectra)
-        self._changes[row] = follow(self._last[batch.level][batch.tiles], spectra, 1.0).sum(axis=0) / 2
-        if batch.error is None or self._running is None:
+        followed = batch.followed
+        self._weights[row] = 3 * batch.weight * len(followed.energy)
+        self._changes[row] = followed.change.sum(axis=0) / 2
+        if batch.error is None:
             return
-        self._octaves[row] = octave_energy(batch.error).sum(axis=0)
-        self._running.add(batch, batch.error)
+        self._octaves[row] = followed.energy.sum(axis=0)
+        self._energy[batch.level][batch.tiles] += followed.energy
+        self._varied[batch.level][batch.tiles] += followed.varied["error"]
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
         noise = batch.floor_energy
         if noise is not None:
@@ -108,10 +109,10 @@ class Budget:
             entry["mse"] += float((octaves / left[index]).sum())
             between = (left[index] + left[index - 1]) / 2
             entry["change"] += np.nan if index == 0 else float((self._changes[index].sum(axis=0) / between).sum())
-        if self._running is None:
+        if not self._context.has_reference:
             return
         for index, level in enumerate(self._span.levels):
-            static, varied = self._running.split(index, self._span.count)
+            static, varied = split(self._energy[index], self._varied[index], self._span, index)
             if self._span.left is not None:
                 self._noise[index] /= self._span.left[index] @ WHITE
             self._settle(index, level, static, varied)

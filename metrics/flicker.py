@@ -3,9 +3,10 @@
 import numpy as np
 
 from metrics.measurement import Context, Measurement, Metric
+from metrics.octaves import OCTAVES
 from metrics.ratios import Ratios
 from metrics.spans import Span
-from metrics.spectra import Batch, RunningMean
+from metrics.spectra import Batch, flickering
 from metrics.tiles import Level
 
 _SOURCE = "sample variance over time of surface-locked tile spectra: residual under true motion"
@@ -29,24 +30,26 @@ class ResidualFlicker:
         self._ratios = Ratios()
 
     def held(self, level: Level) -> float:
-        return (1 + self._context.has_reference) * level.held
+        del level
+        return 0.0
 
     def begin(self, span: Span) -> None:
         self._span = span
-        self._running = {"residual.flicker": RunningMean(span)}
-        if self._context.has_reference:
-            self._running["residual.flicker.reference"] = RunningMean(span)
+        names = ("test", "reference") if self._context.has_reference else ("test",)
+        self._varied = {name: [np.zeros((lv.count, len(OCTAVES))) for lv in span.levels] for name in names}
         self._weight = [np.zeros(level.count) for level in span.levels]
 
     def add(self, batch: Batch) -> None:
-        for running, spectra in zip(self._running.values(), (batch.test, batch.reference), strict=False):
-            if spectra is not None:
-                running.add(batch, spectra)
+        for name, varied in self._varied.items():
+            varied[batch.level][batch.tiles] += batch.followed.varied[name]
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
 
     def end(self) -> None:
         for index, level in enumerate(self._span.levels):
-            parts = {name: each.split(index, self._span.count)[1].sum(axis=1) for name, each in self._running.items()}
+            parts = {}
+            for name, varied in self._varied.items():
+                score = "residual.flicker" if name == "test" else f"residual.flicker.{name}"
+                parts[score] = flickering(varied[index], self._span, index).sum(axis=1)
             self._ratios.add(level.size, self._weight[index], parts)
 
     def finish(self) -> Measurement:

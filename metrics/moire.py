@@ -22,7 +22,7 @@ from metrics.parts import BATCH
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level, window
-from metrics.transform import bin_energy
+from metrics.transform import add_power
 
 DC_LOBE = 2.5
 """Bins that the window spreads the mean level over."""
@@ -92,14 +92,14 @@ class Moire:
             self._frames = span.count
 
     def add(self, batch: Batch) -> None:
-        if batch.level != 0 or batch.error is None or batch.reference is None:
+        if batch.level != 0 or batch.error is None:
             return
+        present, place = np.unique(self._strip[batch.tiles], return_inverse=True)
+        summed = np.zeros((len(present), len(KINDS), *batch.error.shape[2:]))
+        add_power(batch.test, batch.error, place.astype(np.int32), summed)
         powers = self._pieces.setdefault(batch.piece, {})
-        found = [bin_energy(spectra) for spectra in (batch.test, batch.reference, batch.error)]
-        strips = self._strip[batch.tiles]
-        for strip in np.unique(strips).tolist():
-            summed = np.stack([each[strips == strip].sum(axis=0, dtype=np.float64) for each in found])
-            powers[strip] = powers[strip] + summed if strip in powers else summed
+        for strip, power in zip(present.tolist(), summed, strict=True):
+            powers[strip] = powers[strip] + power if strip in powers else power
 
     def end(self) -> None:
         strips, seen = self._strips.setdefault(self._size, {}), self._seen.setdefault(self._size, {})

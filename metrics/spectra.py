@@ -1,15 +1,16 @@
 """The spectra of a clip's tiles, frame by frame, as measures take them in."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from metrics.octaves import OCTAVES
 from metrics.parts import pieces
 from metrics.spans import Span
-from metrics.transform import Energy, Picture, Spectrum, TileTransform, follow, octave_energy
+from metrics.tiles import Level
+from metrics.transform import Energy, Picture, Spectrum, TileTransform, follow, follow_both
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,47 @@ class Pictures:
     test: Picture
     error: Picture | None = None
     half_difference: Picture | None = None
+
+
+class Followed(NamedTuple):
+    """Energies of a batch's tiles in one frame by octave, each [n, octaves].
+
+    energy, change: of the error (of the test without a reference), and of its step since the frame before, which in the
+    first frame is none. varied: "test", and with a reference "error" and "reference" -> what of its step from the mean
+    so far adds to the energy of its variation (Welford 1962).
+    """
+
+    energy: Energy
+    change: Energy
+    varied: dict[str, Energy]
+
+
+class Course:
+    """How the spectra of a part's tiles go on in time: their last values and running means."""
+
+    def __init__(self, span: Span, *, has_reference: bool) -> None:
+        self._start = span.start
+        number = 3 if has_reference else 2
+        shapes = [(number, level.count, 3, *level.spectrum_shape) for level in span.levels]
+        self._states = [np.zeros(shape, dtype=np.complex64) for shape in shapes]
+
+    @staticmethod
+    def held(level: Level, *, has_reference: bool) -> float:
+        """Bytes held for the tiles of a level."""
+        return (3 if has_reference else 2) * level.held
+
+    def follow(self, batch: "Batch") -> Followed:
+        """Take in the next frame's spectra of the batch's tiles."""
+        seen = batch.frame - self._start + 1
+        last, *means = (state[batch.tiles] for state in self._states[batch.level])
+        new = 0.0 if seen == 1 else (seen - 1) / seen
+        if batch.error is None:
+            energy, change, varied = follow(batch.test, last, means[0], 1 / seen)
+            return Followed(energy, change, {"test": new * varied})
+        both = follow_both(batch.error, last, means[0], batch.test, means[1], 1 / seen)
+        energy, change, *varied = both
+        names = ("error", "test", "reference")
+        return Followed(energy, change, {name: new * each for name, each in zip(names, varied, strict=True)})
 
 
 @dataclass(frozen=True)
@@ -37,6 +79,7 @@ class Batch:
     tiles: slice
     pictures: Pictures
     transform: TileTransform
+    course: Course = field(repr=False)
 
     @property
     def weight(self) -> float:
@@ -63,6 +106,11 @@ class Batch:
     def reference(self) -> Spectrum | None:
         return None if self.error is None else self.test - self.error
 
+    @cached_property
+    def followed(self) -> Followed:
+        """How the spectra go on from the frame before: to be asked for in every frame, or in none."""
+        return self.course.follow(self)
+
     @property
     def mean(self) -> Picture:
         """[n, 3], mean level of the test's tiles under a Hann window, which shuts out what is not level best."""
@@ -87,39 +135,26 @@ def transforms(span: Span, t: int) -> list[TileTransform]:
     return [TileTransform(level, span.offsets[t - span.start], span.rows.start) for level in span.levels]
 
 
-def batches(span: Span, t: int, pictures: Pictures) -> Iterator[Batch]:
+def batches(span: Span, t: int, pictures: Pictures, course: Course) -> Iterator[Batch]:
     """All tiles of frame t, piece by piece."""
     transform = transforms(span, t)
     for number, piece in enumerate(pieces(span)):
-        yield Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level])
+        yield Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level], course)
 
 
-class RunningMean:
-    """Mean over time of locked spectra, and the energy of the variation about it (Welford 1962).
+def split(energy: Energy, varied: Energy, span: Span, level: int) -> tuple[Energy, Energy]:
+    """Of a level's energies over a span: what is static and what varies, each [n, octaves].
 
-    mean: for every level [n, 3, L, L/2 + 1]. varied: for every level [n, octaves], sum over frames of |X - mean|^2.
+    They add up to the whole energy, and what unwarping took is given back. By Bessel's correction what varies
+    independently from frame to frame, such as noise, has no static part on average (which may make a static energy
+    negative by chance).
     """
+    left = 1.0 if span.left is None else span.left[level]
+    flicker = flickering(varied, span, level)
+    return energy / left - flicker, flicker
 
-    def __init__(self, span: Span) -> None:
-        self.mean = [np.zeros((level.count, 3, *level.spectrum_shape), dtype=np.complex64) for level in span.levels]
-        self.varied = [np.zeros((level.count, len(OCTAVES))) for level in span.levels]
-        self._start, self._left = span.start, span.left
 
-    def add(self, batch: Batch, spectra: Spectrum) -> None:
-        """Take in the next frame's spectra of the batch's tiles."""
-        seen = batch.frame - self._start + 1
-        away = follow(self.mean[batch.level][batch.tiles], spectra, 1 / seen)
-        if seen > 1:
-            self.varied[batch.level][batch.tiles] += away * ((seen - 1) / seen)
-
-    def split(self, level: int, count: int) -> tuple[Energy, Energy]:
-        """Energies over `count` frames of what is static and of what varies, each [n, octaves].
-
-        They add up to the whole, and what unwarping took is given back. By Bessel's correction what varies
-        independently from frame to frame, such as noise, has no static part on average (which may make a static energy
-        negative by chance); without it 1 / count.
-        """
-        varied = self.varied[level]
-        excess = varied / max(1, count - 1)
-        left = 1.0 if self._left is None else self._left[level]
-        return (count * octave_energy(self.mean[level]) - excess) / left, (varied + excess) / left
+def flickering(varied: Energy, span: Span, level: int) -> Energy:
+    """The second of the two alone, from the sum of `Followed.varied` over a span."""
+    left = 1.0 if span.left is None else span.left[level]
+    return (varied + varied / max(1, span.count - 1)) / left

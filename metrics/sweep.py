@@ -10,7 +10,7 @@ from metrics.machine import cores
 from metrics.measurement import Measure
 from metrics.parts import Piece, parts, pieces
 from metrics.spans import Placement, Span
-from metrics.spectra import Batch, Pictures, transforms
+from metrics.spectra import Batch, Course, Pictures, transforms
 from metrics.tiles import Level
 from metrics.transform import TileTransform
 
@@ -39,7 +39,7 @@ class Sweep:
     ) -> None:
         """read: where a frame lies on a part of a span -> `pictures` pictures, aligned."""
         self._measures, self._read, self._memory = measures, read, memory
-        self._frame = 12.0 * pictures
+        self._frame, self._has_reference = 12.0 * pictures, pictures > 1
         self._pool = ThreadPoolExecutor(threads or cores())
 
     def __enter__(self) -> "Sweep":
@@ -69,15 +69,16 @@ class Sweep:
                 measure.end()
 
     def _held(self, level: Level) -> float:
-        return sum(measure.held(level) for measure in self._measures)
+        course = Course.held(level, has_reference=self._has_reference)
+        return course + sum(measure.held(level) for measure in self._measures)
 
     def _feed(self, part: Span, chunk: int) -> Iterator[int]:
         """Feed a part of a span; yields how many of its frames are done."""
-        placements = part.placements()
+        course, placements = Course(part, has_reference=self._has_reference), part.placements()
         upcoming = [self._ready(place) for place in islice(placements, chunk)]
         while upcoming:
             current = upcoming
-            jobs = [self._pool.submit(self._follow, current, *piece) for piece in enumerate(pieces(part))]
+            jobs = [self._pool.submit(self._follow, current, course, *piece) for piece in enumerate(pieces(part))]
             upcoming = [self._ready(place) for place in islice(placements, chunk)]
             for job in jobs:
                 job.result()
@@ -86,9 +87,9 @@ class Sweep:
     def _ready(self, place: Placement) -> Ready:
         return place.t, self._read(place), transforms(place.span, place.t)
 
-    def _follow(self, frames: Sequence[Ready], number: int, piece: Piece) -> None:
+    def _follow(self, frames: Sequence[Ready], course: Course, number: int, piece: Piece) -> None:
         """Feed a piece of tiles frame by frame."""
         for t, pictures, transform in frames:
-            batch = Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level])
+            batch = Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level], course)
             for measure in self._measures:
                 measure.add(batch)

@@ -18,7 +18,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics.kernels.energies import bin_energies, following_energies, octave_energies
+from metrics.kernels.energies import (
+    following_energies,
+    following_energies_of_both,
+    octave_energies,
+    strip_powers,
+)
 from metrics.kernels.fourier import tile_spectra
 from metrics.kernels.launch import on_cpu
 from metrics.octaves import OCTAVES
@@ -114,27 +119,41 @@ def energy(values: Spectrum) -> Energy:
 
 def octave_energy(spectra: Spectrum) -> Energy:
     """The same by octave of |k|, [n, octaves]."""
-    found = np.empty((len(spectra), len(OCTAVES)))
+    found = np.empty((len(spectra), 1, len(OCTAVES)))
     on_cpu(octave_energies(), len(spectra), [_flat(spectra), _octaves(spectra.shape[-2]), found])
-    return found
+    return found[:, 0]
 
 
-def follow(state: Spectrum, spectra: Spectrum, share: float) -> Energy:
-    """Move a state, in place, by a share of the way to spectra of the same shape; at 1 it becomes them.
+def follow(spectra: Spectrum, last: Spectrum, mean: Spectrum, share: float) -> Energy:
+    """Energies of spectra [n, channels, L, L/2 + 1], of their step from their last values, and from their mean.
 
-    Returns the energy of the way by octave of |k|, [n, octaves].
+    Returns them by octave of |k|, [3, n, octaves]. In place, the last values become the spectra, and the mean goes a
+    share of the way to them; at 1 it becomes them.
     """
-    found = np.empty((len(spectra), len(OCTAVES)))
-    inputs = [_flat(state), _flat(spectra), share, _octaves(spectra.shape[-2]), found]
+    found = np.empty((len(spectra), 3, len(OCTAVES)))
+    inputs = [*map(_flat, (spectra, last, mean)), share, _octaves(spectra.shape[-2]), found]
     on_cpu(following_energies(), len(spectra), inputs)
-    return found
+    return found.swapaxes(0, 1)
 
 
-def bin_energy(spectra: Spectrum) -> Picture:
-    """|X(k)|^2 summed over channels, [n, L, L/2 + 1]."""
-    found = np.empty((len(spectra), *spectra.shape[2:]), np.float32)
-    on_cpu(bin_energies(), len(spectra), [_flat(spectra), found.reshape(len(spectra), -1)])
-    return found
+def follow_both(
+    spectra: Spectrum, last: Spectrum, mean: Spectrum, other: Spectrum, other_mean: Spectrum, share: float
+) -> Energy:
+    """The same, and of the step of other spectra from their mean, and of the difference from its: [5, n, octaves]."""
+    found = np.empty((len(spectra), 5, len(OCTAVES)))
+    inputs = [*map(_flat, (spectra, last, mean, other, other_mean)), share, _octaves(spectra.shape[-2]), found]
+    on_cpu(following_energies_of_both(), len(spectra), inputs)
+    return found.swapaxes(0, 1)
+
+
+def add_power(test: Spectrum, error: Spectrum, strips: NDArray[np.int32], power: Energy) -> None:
+    """Add |X(k)|^2 of test, reference and error, summed over channels and over the tiles of each strip.
+
+    test, error: [n, channels, L, L/2 + 1]; the reference is their difference. strips: [n], of every tile. power:
+    [strips, 3, L, L/2 + 1], to which it is added.
+    """
+    inputs = [_flat(test), _flat(error), strips, power.reshape(*power.shape[:2], -1, copy=False)]
+    on_cpu(strip_powers(), len(power), inputs)
 
 
 def _flat(spectra: Spectrum) -> Picture:

@@ -182,55 +182,85 @@ def transformed(launcher, shoot, transform, size):
 
 
 def spectra_and_octaves():
+    """Of three tiles of two channels; the octaves of some parts are all one."""
     random = np.random.default_rng(0)
-    return random.random((3, 2, 64), np.float32), random.integers(0, 6, 64, np.int32), np.zeros((3, 6))
+    octaves = np.concatenate([np.full(32, 4), random.integers(0, 6, 32)]).astype(np.int32)
+    return random.random((3, 2, 64), np.float32), octaves
 
 
 def summed(launcher, shoot, add, width):
-    """Three tiles of two channels."""
-
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
         add(wp.tid(), spectra, octaves, energies)
 
-    spectra, octaves, energies = spectra_and_octaves()
-    launcher.launch(kernel, 3, [spectra, octaves, energies])
+    energies = np.zeros((3, 1, 6))
+    launcher.launch(kernel, 3, [*spectra_and_octaves(), energies])
     yield energies
 
 
 def followed(launcher, shoot, follow, width):
-    """A state that goes a part of the way, and all of it."""
+    """States that go a part of the way, and all of it."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
-        state: wp.array3d(dtype=wp.float32),
         spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), state, spectra, share, octaves, energies)
+        follow(wp.tid(), spectra, last, mean, share, octaves, energies)
 
-    spectra, octaves, energies = spectra_and_octaves()
+    spectra, octaves = spectra_and_octaves()
     for share in (0.3, 1.0):
-        state = np.full_like(spectra, 0.5)
-        launcher.launch(kernel, 3, [state, spectra, share, octaves, energies])
-        yield from (state, energies)
+        last, mean, energies = 0.7 * spectra, np.full_like(spectra, 0.5), np.zeros((3, 3, 6))
+        launcher.launch(kernel, 3, [spectra, last, mean, share, octaves, energies])
+        yield from (last, mean, energies)
 
 
-def by_bin(launcher, shoot, add, width):
-    """Three tiles of two channels."""
+def followed_both(launcher, shoot, follow, width):
+    """The same beside others."""
 
     @wp.kernel(module="unique", enable_backward=False)
-    def kernel(spectra: wp.array3d(dtype=wp.float32), power: wp.array2d(dtype=wp.float32)):
-        add(wp.tid(), spectra, power)
+    def kernel(
+        spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
+        other: wp.array3d(dtype=wp.float32),
+        other_mean: wp.array3d(dtype=wp.float32),
+        share: wp.float32,
+        octaves: wp.array(dtype=wp.int32),
+        energies: wp.array3d(dtype=wp.float64),
+    ):
+        follow(wp.tid(), spectra, last, mean, other, other_mean, share, octaves, energies)
 
-    spectra, power = spectra_and_octaves()[0], np.zeros((3, 32), np.float32)
-    launcher.launch(kernel, 3, [spectra, power])
+    spectra, octaves = spectra_and_octaves()
+    for share in (0.3, 1.0):
+        states, energies = [factor * spectra for factor in (0.7, 0.9)], np.zeros((3, 5, 6))
+        other, other_mean = 1 - spectra, spectra[::-1].copy()
+        launcher.launch(kernel, 3, [spectra, *states, other, other_mean, share, octaves, energies])
+        yield from (*states, other_mean, energies)
+
+
+def by_strip(launcher, shoot, add, width):
+    """Three tiles of two strips."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        test: wp.array3d(dtype=wp.float32),
+        error: wp.array3d(dtype=wp.float32),
+        strips: wp.array(dtype=wp.int32),
+        power: wp.array3d(dtype=wp.float64),
+    ):
+        add(wp.tid(), test, error, strips, power)
+
+    test, power = spectra_and_octaves()[0], np.zeros((2, 3, 32))
+    launcher.launch(kernel, 2, [test, 0.3 * test[::-1], np.array([0, 1, 0], np.int32), power])
     yield power
 
 
@@ -244,7 +274,8 @@ RUNS = {
     ("row", "across", "along", "frequency", "amplitude", "away", "values"): waves,
     ("index", "picture", "corners", "window", "levelling", "phase", "spectra", "mean"): transformed,
     ("tile", "spectra", "octaves", "energies"): summed,
-    ("tile", "state", "spectra", "share", "octaves", "energies"): followed,
-    ("tile", "spectra", "power"): by_bin,
+    ("tile", "spectra", "last", "mean", "share", "octaves", "energies"): followed,
+    ("tile", "spectra", "last", "mean", "other", "other_mean", "share", "octaves", "energies"): followed_both,
+    ("strip", "test", "error", "strips", "power"): by_strip,
 }
 """Parameters of a form -> what runs it."""

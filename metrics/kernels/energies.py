@@ -7,72 +7,87 @@ in the host's memory, so these run on the CPU. A spectrum's real and imaginary p
 import warp as wp
 
 from metrics.kernels.forms import Twins, Within, form
+from metrics.kernels.lanes import VECTORS
 from metrics.kernels.making import made_once
 from metrics.octaves import OCTAVES
 
 wp.set_module_options({"enable_backward": False})
 
-LANES = 16
-"""Numbers that are summed side by side."""
+ENERGY, CHANGE, VARIED = range(3)
+"""What is summed of spectra that are followed: their energy, that of the step since the last frame, and that of the
+step from their mean so far."""
+
+OTHER, DIFFERENCE = 3, 4
+"""Of others that are followed beside them: the energy of their step from their mean, and of the difference of both."""
 
 _CODE = """
-    typedef float lanes __attribute__((ext_vector_type(%(lanes)d)));
-    typedef int which __attribute__((ext_vector_type(%(lanes)d)));
+    constexpr int O = %(octaves)d, S = %(sums)d;
     const int channels = spectra.shape[1], parts = spectra.shape[2];
-    const float* const seen = (const float*)spectra.data + (long)tile*channels*parts;
-    const int* const octave = (const int*)octaves.data;
-    %(state)s
-    lanes sums[%(octaves)d] = {};
-    for (int part = 0; part < parts; part += %(lanes)d) {
-        lanes squares = 0.0f;
+    const long first = (long)tile*channels*parts;
+    const auto rows = [&](const auto& array) { return (float*)array.data + first; };
+    float* const seen = rows(spectra);
+    %(rows)s
+    const auto store = [](float* to, lanes value) { __builtin_memcpy(to, &value, sizeof(value)); };
+    lanes sums[O][S] = {};
+    for (int part = 0; part < parts; part += L) {
+        lanes squares[S] = {};
         for (int channel = 0; channel < channels; ++channel) {
             const long at = (long)channel*parts + part;
-            lanes value;
-            __builtin_memcpy(&value, seen + at, sizeof(value));
+            const lanes value = load(seen + at);
+            squares[0] += value*value;
             %(follow)s
-            squares += value*value;
         }
-        which here;
-        __builtin_memcpy(&here, octave + part, sizeof(here));
-        for (int number = 0; number < %(octaves)d; ++number) sums[number] += here == number ? squares : 0.0f;
+        flags octave;
+        __builtin_memcpy(&octave, (const int*)octaves.data + part, sizeof(octave));
+        if (!any(octave != octave[0]))
+            for (int sum = 0; sum < S; ++sum) sums[octave[0]][sum] += squares[sum];
+        else for (int number = 0; number < O; ++number)
+            for (int sum = 0; sum < S; ++sum) sums[number][sum] += octave == number ? squares[sum] : 0.0f;
     }
-    for (int number = 0; number < %(octaves)d; ++number) {
-        double sum = 0.0;
-        for (int lane = 0; lane < %(lanes)d; ++lane) sum += sums[number][lane];
-        ((double*)energies.data)[(long)tile*%(octaves)d + number] = sum;
-    }
+    for (int number = 0; number < O; ++number)
+        for (int sum = 0; sum < S; ++sum) {
+            double total = 0.0;
+            for (int lane = 0; lane < L; ++lane) total += sums[number][sum][lane];
+            ((double*)energies.data)[((long)tile*S + sum)*O + number] = total;
+        }
 """
 
+_ROWS = "float *const held = rows(last), *const middle = rows(mean);"
 _FOLLOW = """
-            lanes last;
-            __builtin_memcpy(&last, held + at, sizeof(last));
-            const lanes away = value - last, next = share == 1.0f ? value : last + share*away;
-            __builtin_memcpy(held + at, &next, sizeof(next));
-            value = away;
+            const lanes step = value - load(held + at), so_far = load(middle + at), away = value - so_far;
+            store(held + at, value);
+            store(middle + at, share == 1.0f ? value : so_far + share*away);
+            squares[1] += step*step;
+            squares[2] += away*away;
 """
-_POWER = """
-    const int channels = spectra.shape[1], bins = spectra.shape[2]/2;
-    const float* const seen = (const float*)spectra.data + (long)tile*channels*2*bins;
-    float* const to = (float*)power.data + (long)tile*bins;
-    for (int bin = 0; bin < bins; ++bin) to[bin] = 0.0f;
-    for (int channel = 0; channel < channels; ++channel) {
-        const float* const from = seen + (long)channel*2*bins;
-        #pragma clang loop vectorize(enable)
-        for (int bin = 0; bin < bins; ++bin) to[bin] += from[2*bin]*from[2*bin] + from[2*bin + 1]*from[2*bin + 1];
-    }
+_OTHER_ROWS = "float *const shown = rows(other), *const middle_of_other = rows(other_mean);"
+_FOLLOW_OTHER = """
+            const lanes shows = load(shown + at), other_so_far = load(middle_of_other + at);
+            const lanes other_away = shows - other_so_far, difference = other_away - away;
+            store(middle_of_other + at, share == 1.0f ? shows : other_so_far + share*other_away);
+            squares[3] += other_away*other_away;
+            squares[4] += difference*difference;
 """
-_NUMBERS = {"lanes": LANES, "octaves": len(OCTAVES)}
-_HELD = "float* const held = (float*)state.data + (long)tile*channels*parts;"
+
+
+def _code(rows: str, follow: str, sums: int) -> str:
+    return VECTORS + _CODE % {"octaves": len(OCTAVES), "sums": sums, "rows": rows, "follow": follow}
 
 
 _AGREES = Within("parseval", floor=0.0)
+
+
+@wp.func
+def square(value: wp.float32) -> wp.float64:
+    """In double precision."""
+    return wp.float64(value) * wp.float64(value)
 
 
 @form(agrees=_AGREES)
 def octave_sums() -> Twins:
     """The function that sums a tile's squares by the octave of each part.
 
-    spectra: [n, channels, parts]. octaves: [parts]. energies: [n, octaves].
+    spectra: [n, channels, parts]. octaves: [parts]. energies: [n, 1, octaves].
     """
 
     @wp.func(module="unique")
@@ -80,59 +95,144 @@ def octave_sums() -> Twins:
         tile: wp.int32,
         spectra: wp.array3d(dtype=wp.float32),
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
-        for number in range(energies.shape[1]):
-            energies[tile, number] = wp.float64(0.0)
+        for number in range(energies.shape[2]):
+            energies[tile, ENERGY, number] = wp.float64(0.0)
         for channel in range(spectra.shape[1]):
             for part in range(spectra.shape[2]):
-                value = wp.float64(spectra[tile, channel, part])
-                energies[tile, octaves[part]] += value * value
+                energies[tile, ENERGY, octaves[part]] += square(spectra[tile, channel, part])
 
-    return Twins(add, _CODE % {**_NUMBERS, "state": "", "follow": ""})
+    return Twins(add, _code("", "", 1))
 
 
 @form(agrees=_AGREES)
 def following() -> Twins:
-    """The function that moves a tile's state [n, channels, parts] by a share of the way to spectra, all of it at 1.
+    """The function that sums ENERGY, CHANGE and VARIED of a tile's spectra, [n, 3, octaves].
 
-    It sums the squares of the ways as `octave_sums` does.
+    Their last values become them, and their mean moves by a share of the way to them, all of it at 1: both [n,
+    channels, parts].
     """
 
     @wp.func(module="unique")
     def follow(
         tile: wp.int32,
-        state: wp.array3d(dtype=wp.float32),
         spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
-        for number in range(energies.shape[1]):
-            energies[tile, number] = wp.float64(0.0)
+        for sum in range(energies.shape[1]):
+            for number in range(energies.shape[2]):
+                energies[tile, sum, number] = wp.float64(0.0)
         for channel in range(spectra.shape[1]):
             for part in range(spectra.shape[2]):
                 value = spectra[tile, channel, part]
-                last = state[tile, channel, part]
-                away = value - last
-                state[tile, channel, part] = wp.where(share == 1.0, value, last + share * away)
-                energies[tile, octaves[part]] += wp.float64(away) * wp.float64(away)
+                so_far = mean[tile, channel, part]
+                energies[tile, ENERGY, octaves[part]] += square(value)
+                energies[tile, CHANGE, octaves[part]] += square(value - last[tile, channel, part])
+                energies[tile, VARIED, octaves[part]] += square(value - so_far)
+                last[tile, channel, part] = value
+                mean[tile, channel, part] = wp.where(share == 1.0, value, so_far + share * (value - so_far))
 
-    return Twins(follow, _CODE % {**_NUMBERS, "state": _HELD, "follow": _FOLLOW})
+    return Twins(follow, _code(_ROWS, _FOLLOW, 3))
 
 
 @form(agrees=_AGREES)
-def bin_sums() -> Twins:
-    """The function that sums a tile's squares over channels and both parts of every bin, [n, bins]."""
+def following_both() -> Twins:
+    """The same with other spectra, which have a mean too: OTHER and DIFFERENCE beside the rest, [n, 5, octaves]."""
 
     @wp.func(module="unique")
-    def add(tile: wp.int32, spectra: wp.array3d(dtype=wp.float32), power: wp.array2d(dtype=wp.float32)):
-        for bin in range(power.shape[1]):
-            power[tile, bin] = 0.0
-            for channel in range(spectra.shape[1]):
-                re = spectra[tile, channel, 2 * bin]
-                im = spectra[tile, channel, 2 * bin + 1]
-                power[tile, bin] += re * re + im * im
+    def follow(
+        tile: wp.int32,
+        spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
+        other: wp.array3d(dtype=wp.float32),
+        other_mean: wp.array3d(dtype=wp.float32),
+        share: wp.float32,
+        octaves: wp.array(dtype=wp.int32),
+        energies: wp.array3d(dtype=wp.float64),
+    ):
+        for sum in range(energies.shape[1]):
+            for number in range(energies.shape[2]):
+                energies[tile, sum, number] = wp.float64(0.0)
+        for channel in range(spectra.shape[1]):
+            for part in range(spectra.shape[2]):
+                value = spectra[tile, channel, part]
+                so_far = mean[tile, channel, part]
+                shows = other[tile, channel, part]
+                other_so_far = other_mean[tile, channel, part]
+                energies[tile, ENERGY, octaves[part]] += square(value)
+                energies[tile, CHANGE, octaves[part]] += square(value - last[tile, channel, part])
+                energies[tile, VARIED, octaves[part]] += square(value - so_far)
+                energies[tile, OTHER, octaves[part]] += square(shows - other_so_far)
+                energies[tile, DIFFERENCE, octaves[part]] += square(shows - other_so_far - (value - so_far))
+                last[tile, channel, part] = value
+                mean[tile, channel, part] = wp.where(share == 1.0, value, so_far + share * (value - so_far))
+                moved = other_so_far + share * (shows - other_so_far)
+                other_mean[tile, channel, part] = wp.where(share == 1.0, shows, moved)
+
+    return Twins(follow, _code(_ROWS + _OTHER_ROWS, _FOLLOW + _FOLLOW_OTHER, 5))
+
+
+_POWER = """
+    const int tiles = test.shape[0], channels = test.shape[1], bins = test.shape[2]/2;
+    double* const to = (double*)power.data + (long)strip*3*bins;
+    for (int tile = 0; tile < tiles; ++tile) {
+        if (((const int*)strips.data)[tile] != strip) continue;
+        const float* const seen = (const float*)test.data + (long)tile*channels*2*bins;
+        const float* const off = (const float*)error.data + (long)tile*channels*2*bins;
+        constexpr int some = 64;
+        for (int first = 0; first < bins; first += some) {
+            const int n = bins - first < some ? bins - first : some;
+            float sums[3][some] = {};
+            for (int channel = 0; channel < channels; ++channel) {
+                const float* const x = seen + 2*((long)channel*bins + first);
+                const float* const e = off + 2*((long)channel*bins + first);
+                #pragma clang loop vectorize(enable)
+                for (int bin = 0; bin < n; ++bin) {
+                    const float re = x[2*bin], im = x[2*bin + 1], off_re = e[2*bin], off_im = e[2*bin + 1];
+                    const float exact_re = re - off_re, exact_im = im - off_im;
+                    sums[0][bin] += re*re + im*im;
+                    sums[1][bin] += exact_re*exact_re + exact_im*exact_im;
+                    sums[2][bin] += off_re*off_re + off_im*off_im;
+                }
+            }
+            for (int kind = 0; kind < 3; ++kind)
+                for (int bin = 0; bin < n; ++bin) to[kind*bins + first + bin] += sums[kind][bin];
+        }
+    }
+"""
+
+
+@form(agrees=_AGREES)
+def strip_power() -> Twins:
+    """The function that adds up, over the tiles of one strip, the power of test, reference and error in every bin.
+
+    test, error: [n, channels, parts]; the reference is their difference. strips: [n], of every tile. power: [strips, 3,
+    bins], to which it is added.
+    """
+
+    @wp.func(module="unique")
+    def add(
+        strip: wp.int32,
+        test: wp.array3d(dtype=wp.float32),
+        error: wp.array3d(dtype=wp.float32),
+        strips: wp.array(dtype=wp.int32),
+        power: wp.array3d(dtype=wp.float64),
+    ):
+        for tile in range(test.shape[0]):
+            if strips[tile] == strip:
+                for channel in range(test.shape[1]):
+                    for part in range(test.shape[2]):
+                        shows = test[tile, channel, part]
+                        off = error[tile, channel, part]
+                        power[strip, 0, part / 2] += square(shows)
+                        power[strip, 1, part / 2] += square(shows - off)
+                        power[strip, 2, part / 2] += square(off)
 
     return Twins(add, _POWER)
 
@@ -146,7 +246,7 @@ def octave_energies() -> wp.Kernel:
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
         add(wp.tid(), spectra, octaves, energies)
 
@@ -160,24 +260,51 @@ def following_energies() -> wp.Kernel:
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
-        state: wp.array3d(dtype=wp.float32),
         spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
-        energies: wp.array2d(dtype=wp.float64),
+        energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), state, spectra, share, octaves, energies)
+        follow(wp.tid(), spectra, last, mean, share, octaves, energies)
 
     return kernel
 
 
 @made_once
-def bin_energies() -> wp.Kernel:
-    """The kernel that runs `bin_sums`, a tile a thread."""
-    add = bin_sums().native
+def following_energies_of_both() -> wp.Kernel:
+    """The kernel that runs `following_both`, a tile a thread."""
+    follow = following_both().native
 
     @wp.kernel(module="unique", enable_backward=False)
-    def kernel(spectra: wp.array3d(dtype=wp.float32), power: wp.array2d(dtype=wp.float32)):
-        add(wp.tid(), spectra, power)
+    def kernel(
+        spectra: wp.array3d(dtype=wp.float32),
+        last: wp.array3d(dtype=wp.float32),
+        mean: wp.array3d(dtype=wp.float32),
+        other: wp.array3d(dtype=wp.float32),
+        other_mean: wp.array3d(dtype=wp.float32),
+        share: wp.float32,
+        octaves: wp.array(dtype=wp.int32),
+        energies: wp.array3d(dtype=wp.float64),
+    ):
+        follow(wp.tid(), spectra, last, mean, other, other_mean, share, octaves, energies)
+
+    return kernel
+
+
+@made_once
+def strip_powers() -> wp.Kernel:
+    """The kernel that runs `strip_power`, a strip a thread."""
+    add = strip_power().native
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        test: wp.array3d(dtype=wp.float32),
+        error: wp.array3d(dtype=wp.float32),
+        strips: wp.array(dtype=wp.int32),
+        power: wp.array3d(dtype=wp.float64),
+    ):
+        add(wp.tid(), test, error, strips, power)
 
     return kernel

@@ -6,7 +6,7 @@ from scipy import fft
 
 from metrics.octaves import OCTAVES
 from metrics.tiles import SIZES, Level
-from metrics.transform import TileTransform, bin_energy, energy, follow, octave_energy
+from metrics.transform import TileTransform, add_power, energy, follow, follow_both, octave_energy
 
 
 @pytest.fixture(params=SIZES)
@@ -60,21 +60,48 @@ def test_energies_are_sums_of_squares_by_octave(tiles, tolerance):
     close = {"rel": tolerance("parseval")}
     assert octave_energy(spectra) == pytest.approx(exact, **close)
     assert energy(spectra) == pytest.approx(exact.sum(axis=1), **close)
-    assert bin_energy(spectra) == pytest.approx(squares.sum(axis=1), **close)
 
 
-def test_a_state_follows_by_a_share_and_tells_the_way(tiles, tolerance):
+def followed(spectra, other, share):
+    """Energies that following gives, and the states [3] that it leaves: last, mean, and mean of the other."""
+    states = np.stack([spectra[::-1], 0.5 * spectra, np.roll(other, 1, axis=0)])
+    last, mean, other_mean = states
+    return follow_both(spectra, last, mean, other, other_mean, share), states
+
+
+def test_states_follow_by_a_share_and_tell_the_way(tiles, tolerance):
+    spectra, other = tiles[0].seen(tiles[1])[0], tiles[0].seen(tiles[1][::-1] ** 2)[0]
+    last, mean, other_mean = spectra[::-1], 0.5 * spectra, np.roll(other, 1, axis=0)
+    ways = [spectra - last, spectra - mean, other - other_mean, other - other_mean - (spectra - mean)]
+    exact = [octave_energy(each) for each in (spectra, *ways)]
+    found, states = followed(spectra, other, 0.25)
+    assert found == pytest.approx(np.array(exact), rel=tolerance("parseval"))
+    middles = [spectra, mean + np.float32(0.25) * ways[1], other_mean + np.float32(0.25) * ways[2]]
+    for state, middle in zip(states, middles, strict=True):
+        assert np.abs(state - middle).max() < tolerance("single precision spectra") * np.abs(middle).max()
+    assert np.array_equal(followed(spectra, other, 1.0)[1], [spectra, spectra, other])
+
+
+def test_spectra_are_followed_alone_as_beside_others(tiles):
     spectra, _ = tiles[0].seen(tiles[1])
-    state = spectra[::-1].copy()
-    away = spectra - state
-    middle = state + np.float32(0.25) * away
-    assert follow(state, spectra, 0.25) == pytest.approx(octave_energy(away), rel=tolerance("parseval"))
-    assert np.abs(state - middle).max() < tolerance("single precision spectra") * np.abs(middle).max()
-    follow(state, spectra, 1.0)
-    assert np.array_equal(state, spectra)
+    both, states = followed(spectra, spectra[::-1], 0.25)
+    alone = np.stack([spectra[::-1], 0.5 * spectra])
+    assert np.array_equal(follow(spectra, *alone, 0.25), both[:3])
+    assert np.array_equal(alone, states[:2])
+
+
+def test_power_is_added_up_by_strip(tiles, tolerance):
+    test, error = tiles[0].seen(tiles[1])[0], tiles[0].seen(0.1 * tiles[1][::-1])[0]
+    strips = np.arange(len(test), dtype=np.int32) % 3
+    found = np.ones((3, 3, *test.shape[2:]))
+    add_power(test, error, strips, found)
+    for strip in range(3):
+        kinds = [each[strips == strip].astype(np.complex128) for each in (test, test - error, error)]
+        exact = [1 + (np.abs(kind) ** 2).sum(axis=(0, 1)) for kind in kinds]
+        assert found[strip] == pytest.approx(np.array(exact), rel=tolerance("parseval"))
 
 
 def test_a_state_that_is_not_whole_memory_is_refused(tiles):
-    spectra, _ = tiles[0].seen(tiles[1])
+    spectra = tiles[0].seen(tiles[1])[0][:, :, ::2]
     with pytest.raises(ValueError, match="copy"):
-        follow(spectra[:, :, ::2], spectra[:, :, ::2], 1.0)
+        follow(spectra, spectra, spectra, 1.0)
