@@ -210,8 +210,7 @@ def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Field, Field
     Two fields [H, W, 2], px; infinite, and the least above the most, where none comes from.
     """
     shape = (*shown.shape, 2)
-    least = launcher.array(np.full(shape, np.inf, np.float32), wp.float32)
-    most = launcher.array(np.full(shape, -np.inf, np.float32), wp.float32)
+    least, most = (launcher.filled(shape, wp.float32, limit) for limit in (np.inf, -np.inf))
     shown_there = launcher.view(shown.view(np.uint8), wp.uint8)
     launcher.launch(claim, shown.shape[0], [launcher.view(motion, wp.vec2), shown_there, least, most])
     return np.asarray(least.numpy()), np.asarray(most.numpy())

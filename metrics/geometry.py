@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from dataclasses import dataclass
+from functools import lru_cache
 from threading import Lock
 
 import numpy as np
@@ -36,8 +37,12 @@ class Surface:
     @property
     def nbytes(self) -> int:
         """Memory that it takes."""
-        masks = self.covered.nbytes if self.covered is self.whole else 2 * self.covered.nbytes
+        masks = 0 if self.covered is self.whole else 2 * self.covered.nbytes
         return masks + (0 if self.uniform else self.motion.nbytes)
+
+
+FEWEST = 3
+"""Surfaces that are held whatever the room: a frame's, and those of the frames next to it."""
 
 
 class Geometry:
@@ -64,9 +69,15 @@ class Geometry:
         with self._lock:
             surface = self._held.pop(t, None) or read_surface(self.clip, t)
             self._held[t] = surface
-            while len(self._held) > 1 and sum(held.nbytes for held in self._held.values()) > self._room:
+            while len(self._held) > FEWEST and sum(held.nbytes for held in self._held.values()) > self._room:
                 self._held.popitem(last=False)
             return surface
+
+
+@lru_cache(maxsize=2)
+def everywhere(shape: tuple[int, int]) -> Mask:
+    """[H, W], all true: one for all frames that are covered wholly."""
+    return np.ones(shape, dtype=bool)
 
 
 def read_surface(clip: Clip, t: int) -> Surface:
@@ -75,7 +86,7 @@ def read_surface(clip: Clip, t: int) -> Surface:
     A pixel that is covered in part, but not at its centre, takes the motion of the nearest one that is.
     """
     share = clip.share(t)
-    covered = whole = np.ones(clip.shape, dtype=bool)
+    covered = whole = everywhere(clip.shape)
     if share is not None:
         covered, whole = share > 0, share >= WHOLE
     motion = clip.moved(t)

@@ -4,16 +4,19 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
+
+from metrics.clip import Image
+from metrics.geometry import Mask
+from metrics.kernels.launch import Launcher
+from metrics.kernels.sizes import ROWS, SIZES, sort_by_size
 
 SHARE = 1e-3
 """The share of the pixels that is looked at: those with the largest squared errors of all frames."""
 
 RULES = 0.5
 """They rule a score if they make more than this share of its squared error."""
-
-_BINS, _SHIFT = 1024, 21
-"""Squared errors are counted by the upper bits of their float32: the exponent, and quarters of it."""
 
 
 class Few(NamedTuple):
@@ -39,17 +42,18 @@ def largest(pixels: NDArray[np.float64], sums: NDArray[np.float64], share: float
 class Glints:
     """Counts and sums of squared errors by size: of pixels that tiles reach, of other covered ones, and of the rest."""
 
-    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
-    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
+    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, SIZES)))
+    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, SIZES)))
 
-    def add(self, error: NDArray[np.float32], covered: NDArray[np.bool_], reached: NDArray[np.bool_]) -> None:
+    def add(self, error: Image, covered: Mask, reached: Mask, launcher: Launcher) -> None:
         """Take in a frame's error [3, H, W], finite; and where it is covered and, within that, tiles reach, [H, W]."""
-        squared = np.einsum("chw,chw->hw", error, error) / np.float32(3)
-        place = (squared.view(np.uint32) >> _SHIFT).astype(np.intp)
-        place += np.where(reached, 0, np.where(covered, _BINS, 2 * _BINS))
-        counts = (np.bincount(place.ravel(), each, minlength=3 * _BINS) for each in (None, squared.ravel()))
-        for kept, found in zip((self._pixels, self._sums), counts, strict=True):
-            kept += found.reshape(3, _BINS)
+        height = len(covered)
+        pixels, sums = (launcher.zeros((-(-height // ROWS), 3, SIZES), wp.float64) for _ in range(2))
+        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
+        inputs = [launcher.view(error, wp.float32), *masks, pixels, sums]
+        launcher.over(height, sort_by_size, (), inputs, each=ROWS)
+        self._pixels += pixels.numpy().sum(axis=0)
+        self._sums += sums.numpy().sum(axis=0)
 
     def few(self) -> dict[str, Few]:
         """What the largest errors make of `budget.mse`, where tiles reach, and of `frame.mse`, where it is covered."""

@@ -127,11 +127,19 @@ def align(clip: Clip, *, keep: bool = True, room: float = ROOM, launcher: Launch
         fit is read or found again.
     launcher: runs the kernels; None: one with all cores.
     """
-    geometry = Geometry(clip, room=room)
-    steps = uniform_steps(geometry)
     together = clip.count if keep else min(clip.count, longest_unwarped(clip))
+    geometry = Geometry(clip, room=room if fits(clip, together + 1, room) else 0.0)
+    steps = uniform_steps(geometry)
     spans = plan(geometry, steps, launcher or Launcher(), room=room / 2 / together)
     return Alignment(geometry, steps, list(spans) if keep else spans)
+
+
+def fits(clip: Clip, count: int, room: float) -> bool:
+    """Whether the motion of so many frames fits in `room` bytes.
+
+    A span's is gone through several times: if not all of it fits, what is asked for next would always be gone already.
+    """
+    return 8.0 * count * clip.shape[0] * clip.shape[1] <= room
 
 
 def longest_unwarped(clip: Clip) -> int:

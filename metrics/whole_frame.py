@@ -21,7 +21,7 @@ from metrics.correspondence import claims
 from metrics.geometry import Field, Geometry, Mask, Surface
 from metrics.glints import Glints
 from metrics.kernels.launch import Launcher
-from metrics.kernels.pairs import COLUMNS, compare_pairs, mark_landed, own_places, sum_blocks
+from metrics.kernels.pairs import COLUMNS, columns, compare_pairs, mark_landed, own_places, sum_blocks
 from metrics.kernels.pattern import pattern_at
 from metrics.levels import rows_of
 from metrics.measurement import Measurement, Metric
@@ -103,8 +103,9 @@ class WholeFrame:
         reached = reached_pixels(place or next(self._places), self.launcher) & surface.covered
         error = np.zeros((3, *reached.shape), np.float32) if error is None else np.asarray(error, np.float32)
         owner = None
-        pairs = self.launcher.zeros(reached.shape, wp.vec4)
-        if self._last is not None and t not in self.geometry.clip.cuts:
+        if self._last is None or t in self.geometry.clip.cuts:
+            pairs = self.launcher.zeros(reached.shape, wp.vec4)
+        else:
             owner = shown_before(surface, self.geometry.surface(t - 1), self.launcher)
             pairs = self._compare(error, self._last, surface, owner, reached)
         self._last = error
@@ -115,7 +116,7 @@ class WholeFrame:
         covered = np.sum([sums[name] for name in CLASSES], axis=0)
         self._put("covered pixels", covered)
         if self.has_reference:
-            self.glints.add(error, surface.covered, reached)
+            self.glints.add(error, surface.covered, reached, self.launcher)
             flicker = pair_flicker(sums)
             for name, values, pixels in (
                 ("frame", sums["squared"], covered),
@@ -164,7 +165,7 @@ class WholeFrame:
         """Sums of every cell of the map, [rows, columns]."""
         launcher, cell = self.launcher, self._cell
         down, right = (-(-length // cell) for length in covered.shape)
-        sums = launcher.zeros((down, right, len(COLUMNS)), wp.float64)
+        sums = launcher.empty((down, right), columns)
         masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
         inputs = [cell, *masks, pairs, launcher.view(error, wp.float32), sums]
         launcher.each(range(down), lambda row: launcher.launch(sum_blocks, (1, right), [row, *inputs]))

@@ -154,6 +154,10 @@ class Launcher:
         """An array on the device filled with 0."""
         return wp.zeros(shape, dtype=dtype, device=self._on)
 
+    def filled(self, shape: int | tuple[int, ...], dtype: Any, value: float) -> Any:
+        """An array on the device filled with a value."""
+        return wp.full(shape, value, dtype=dtype, device=self._on)
+
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
         return wp.array(values, dtype=dtype, device=self._on)

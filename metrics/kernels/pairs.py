@@ -8,6 +8,8 @@ COLUMNS = ("measured", "edges", "new", "squared", "edges squared", "new squared"
 """What `sum_blocks` sums: pixels of each class, squared errors of all covered ones and of two classes, and what
 `compare_pairs` found of edges."""
 
+columns = wp.types.vector(length=len(COLUMNS), dtype=wp.float64)
+
 
 @wp.func
 def cubic(x: wp.float32) -> wp.float32:
@@ -68,6 +70,15 @@ def pair_of(
     y = wp.float32(row) - moved[1]
     left = wp.int32(wp.floor(x)) - 1
     top = wp.int32(wp.floor(y)) - 1
+    across = wp.vec4()
+    along = wp.vec4()
+    near_across = wp.vec4()
+    near_along = wp.vec4()
+    for tap in range(4):
+        across[tap] = cubic(wp.float32(left + tap) - x)
+        along[tap] = cubic(wp.float32(top + tap) - y)
+        near_across[tap] = hat(wp.float32(left + tap) - x)
+        near_along[tap] = hat(wp.float32(top + tap) - y)
     total = wp.float32(0.0)
     near = wp.float32(0.0)
     value = wp.vec3(0.0, 0.0, 0.0)
@@ -79,13 +90,11 @@ def pair_of(
             if r >= 0 and r < owner.shape[0] and c >= 0 and c < owner.shape[1]:
                 away = owner[r, c] - moved
                 if wp.abs(away[0]) < alike and wp.abs(away[1]) < alike:
-                    dx = wp.float32(c) - x
-                    dy = wp.float32(r) - y
                     there = wp.vec3(before[0, r, c], before[1, r, c], before[2, r, c])
-                    weight = cubic(dx) * cubic(dy)
+                    weight = across[right] * along[down]
                     total += weight
                     value += weight * there
-                    weight = hat(dx) * hat(dy)
+                    weight = near_across[right] * near_along[down]
                     near += weight
                     square += weight * wp.dot(there, there)
     if total <= 0.5 or near <= 0.0:
@@ -127,29 +136,33 @@ def sum_blocks(
     reached: wp.array2d(dtype=wp.uint8),
     pairs: wp.array2d(dtype=wp.vec4),
     error: wp.array3d(dtype=wp.float32),
-    sums: wp.array3d(dtype=wp.float64),
+    sums: wp.array2d(dtype=columns),
 ):
     """sums: of each block of size x size pixels, one a thread, the COLUMNS."""
     row, column = wp.tid()
     row += first
+    one = wp.float64(1.0)
+    found = columns()
     for y in range(row * size, wp.min((row + 1) * size, covered.shape[0])):
         for x in range(column * size, wp.min((column + 1) * size, covered.shape[1])):
             if covered[y, x] != wp.uint8(0):
                 off = wp.vec3(error[0, y, x], error[1, y, x], error[2, y, x])
                 squared = wp.float64(wp.dot(off, off)) / wp.float64(3.0)
-                pair = pairs[y, x]
-                sums[row, column, 3] += squared
+                found[3] += squared
                 if reached[y, x] != wp.uint8(0):
-                    sums[row, column, 0] += wp.float64(1.0)
-                elif pair[0] > 0.0:
-                    sums[row, column, 1] += wp.float64(1.0)
-                    sums[row, column, 4] += squared
-                    sums[row, column, 6] += wp.float64(pair[1])
-                    sums[row, column, 7] += wp.float64(pair[2])
-                    sums[row, column, 8] += wp.float64(pair[3])
+                    found[0] += one
                 else:
-                    sums[row, column, 2] += wp.float64(1.0)
-                    sums[row, column, 5] += squared
+                    pair = pairs[y, x]
+                    if pair[0] > 0.0:
+                        found[1] += one
+                        found[4] += squared
+                        found[6] += wp.float64(pair[1])
+                        found[7] += wp.float64(pair[2])
+                        found[8] += wp.float64(pair[3])
+                    else:
+                        found[2] += one
+                        found[5] += squared
+    sums[row, column] = found
 
 
 @wp.kernel

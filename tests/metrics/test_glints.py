@@ -5,6 +5,7 @@ import pytest
 
 from metrics import Clip, measure
 from metrics.glints import SHARE, Glints
+from metrics.kernels.launch import Launcher
 
 SIZE, COUNT = 96, 4
 
@@ -16,8 +17,9 @@ def test_the_largest_errors_are_those_of_a_sorted_list(tolerance):
     covered, reached = random.random((2, 7, 90, 80)) < 0.7
     reached &= covered
     glints = Glints()
-    for frame, *masks in zip(error, covered, reached, strict=True):
-        glints.add(np.stack([frame] * 3), *masks)
+    with Launcher() as launcher:
+        for frame, *masks in zip(error, covered, reached, strict=True):
+            glints.add(np.stack([frame] * 3), *masks, launcher)
     for name, where in (("budget.mse", reached), ("frame.mse", covered)):
         squared = np.sort(error[where].astype(np.float64) ** 2)[::-1]
         exact = squared[: round(SHARE * len(squared))].sum()
