@@ -3,7 +3,7 @@
 import numpy as np
 
 from metrics.measurement import Context, Measurement, Metric
-from metrics.ratios import Ratios
+from metrics.ratios import Ratios, Values
 from metrics.spans import Span
 from metrics.spectra import Batch, RunningMean
 from metrics.tiles import Level
@@ -44,10 +44,17 @@ class ResidualFlicker:
                 running.add(batch, spectra)
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
 
-    def end(self) -> None:
+    def end(self) -> list[tuple[int, Values, dict[str, Values]]]:
+        """For every level its size, and the tiles' weight and parts."""
+        found = []
         for index, level in enumerate(self._span.levels):
             parts = {name: each.split(index, self._span.count)[1].sum(axis=1) for name, each in self._running.items()}
-            self._ratios.add(level.size, self._weight[index], parts)
+            found.append((level.size, self._weight[index], parts))
+        return found
+
+    def take(self, found: list[tuple[int, Values, dict[str, Values]]]) -> None:
+        for tiles in found:
+            self._ratios.add(*tiles)
 
     def finish(self) -> Measurement:
         found = Measurement()

@@ -35,25 +35,35 @@ def largest(pixels: NDArray[np.float64], sums: NDArray[np.float64], share: float
     return Few(made / total, float(np.sqrt(made / wanted))) if total > 0 else Few(0.0, 0.0)
 
 
+Counted = NDArray[np.float64]
+
+
+def count(error: NDArray[np.float32], covered: NDArray[np.bool_], reached: NDArray[np.bool_]) -> Counted:
+    """[2, 3, sizes], how many squared errors of a frame there are of each size, and their sums.
+
+    Of pixels that tiles reach, of other covered ones, and of the rest. error: [3, H, W], finite. covered, reached:
+    [H, W], where the frame is covered and, within that, tiles reach.
+    """
+    squared = np.einsum("chw,chw->hw", error, error) / np.float32(3)
+    place = (squared.view(np.uint32) >> _SHIFT).astype(np.intp)
+    place += np.where(reached, 0, np.where(covered, _BINS, 2 * _BINS))
+    counts = [np.bincount(place.ravel(), each, minlength=3 * _BINS) for each in (None, squared.ravel())]
+    return np.array(counts, np.float64).reshape(2, 3, _BINS)
+
+
 @dataclass
 class Glints:
-    """Counts and sums of squared errors by size: of pixels that tiles reach, of other covered ones, and of the rest."""
+    """Counts and sums of squared errors by size, of all frames."""
 
-    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
-    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, _BINS)))
+    _counted: Counted = field(default_factory=lambda: np.zeros((2, 3, _BINS)))
 
-    def add(self, error: NDArray[np.float32], covered: NDArray[np.bool_], reached: NDArray[np.bool_]) -> None:
-        """Take in a frame's error [3, H, W], finite; and where it is covered and, within that, tiles reach, [H, W]."""
-        squared = np.einsum("chw,chw->hw", error, error) / np.float32(3)
-        place = (squared.view(np.uint32) >> _SHIFT).astype(np.intp)
-        place += np.where(reached, 0, np.where(covered, _BINS, 2 * _BINS))
-        counts = (np.bincount(place.ravel(), each, minlength=3 * _BINS) for each in (None, squared.ravel()))
-        for kept, found in zip((self._pixels, self._sums), counts, strict=True):
-            kept += found.reshape(3, _BINS)
+    def take(self, counted: Counted) -> None:
+        """Add what `count` found of the next frame."""
+        self._counted += counted
 
     def few(self) -> dict[str, Few]:
         """What the largest errors make of `budget.mse`, where tiles reach, and of `frame.mse`, where it is covered."""
-        (measured, other, _), (measured_sum, other_sum, _) = self._pixels, self._sums
+        (measured, other, _), (measured_sum, other_sum, _) = self._counted
         return {
             "budget.mse": largest(measured, measured_sum),
             "frame.mse": largest(measured + other, measured_sum + other_sum),

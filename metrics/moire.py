@@ -10,7 +10,7 @@ its bin and those around it.
 """
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,19 @@ Power = NDArray[np.float64]
 Peak = tuple[float, float, float]
 
 
+class PowerFound(NamedTuple):
+    """Of the largest tiles of a part of a span: how many each strip has, and piece by piece their power by strip.
+
+    size: of the tiles, px. part: which of the span's. frames: of the span.
+    """
+
+    size: int
+    part: int
+    frames: int
+    tiles: dict[int, int]
+    pieces: list[dict[int, Power]]
+
+
 class Moire:
     """Mean power spectra of the largest tiles, by upright strips of the picture, whose spread gives the errors."""
 
@@ -87,9 +100,7 @@ class Moire:
         if span.levels:
             level = span.levels[0]
             self._strip = ((level.origin[:, 1] + level.size / 2) * STRIPS / span.shape[1]).astype(int)
-            self._here = level.count + (self._here if span.part else 0)
-            self._tiles[self._size] = max(self._here, self._tiles.get(self._size, 0))
-            self._frames = span.count
+            self._frames, self._part = span.count, span.part
 
     def add(self, batch: Batch) -> None:
         if batch.level != 0 or batch.error is None or batch.reference is None:
@@ -101,14 +112,27 @@ class Moire:
             summed = np.stack([each[strips == strip].sum(axis=0, dtype=np.float64) for each in found])
             powers[strip] = powers[strip] + summed if strip in powers else summed
 
-    def end(self) -> None:
-        strips, seen = self._strips.setdefault(self._size, {}), self._seen.setdefault(self._size, {})
-        for _, powers in sorted(self._pieces.items()):
+    def end(self) -> PowerFound | None:
+        if not self._size:
+            return None
+        strips, counts = np.unique(self._strip, return_counts=True)
+        tiles = dict(zip(strips.tolist(), counts.tolist(), strict=True))
+        pieces = [powers for _, powers in sorted(self._pieces.items())]
+        return PowerFound(self._size, self._part, self._frames, tiles, pieces)
+
+    def take(self, found: PowerFound | None) -> None:
+        if found is None:
+            return
+        size, part, frames, tiles, pieces = found
+        self._here = sum(tiles.values()) + (self._here if part else 0)
+        self._tiles[size] = max(self._here, self._tiles.get(size, 0))
+        strips, seen = self._strips.setdefault(size, {}), self._seen.setdefault(size, {})
+        for powers in pieces:
             for strip, power in powers.items():
                 strips[strip] = strips[strip] + power if strip in strips else power
-        if self._pieces:
-            for strip, tiles in zip(*np.unique(self._strip, return_counts=True), strict=True):
-                seen[int(strip)] = seen.get(int(strip), 0) + 3 * self._frames * int(tiles)
+        if pieces:
+            for strip, number in tiles.items():
+                seen[strip] = seen.get(strip, 0) + 3 * frames * number
 
     def finish(self) -> Measurement:
         found = Measurement()

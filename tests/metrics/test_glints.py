@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metrics import Clip, measure
-from metrics.glints import SHARE, Glints
+from metrics.glints import SHARE, Glints, count
 
 SIZE, COUNT = 96, 4
 
@@ -17,7 +17,7 @@ def test_the_largest_errors_are_those_of_a_sorted_list(tolerance):
     reached &= covered
     glints = Glints()
     for frame, *masks in zip(error, covered, reached, strict=True):
-        glints.add(np.stack([frame] * 3), *masks)
+        glints.take(count(np.stack([frame] * 3), *masks))
     for name, where in (("budget.mse", reached), ("frame.mse", covered)):
         squared = np.sort(error[where].astype(np.float64) ** 2)[::-1]
         exact = squared[: round(SHARE * len(squared))].sum()
