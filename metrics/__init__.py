@@ -9,7 +9,7 @@ from metrics.ratios import resolved
 from metrics.reference_frames import ReferenceFrames
 from metrics.registry import METRICS
 from metrics.scale import measure_scales
-from metrics.score import measure
+from metrics.score import Measuring, measure
 from metrics.spans import Alignment, align
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "ClipError",
     "Display",
     "Measurement",
+    "Measuring",
     "Metric",
     "ReferenceFrames",
     "align",

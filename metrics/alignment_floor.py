@@ -3,7 +3,7 @@
 from collections import defaultdict
 
 from metrics.bands import BANDS, describe
-from metrics.glued import LIMIT
+from metrics.glued import LIMIT, TileFloor
 from metrics.measurement import Context, Measurement, Metric
 from metrics.ratios import Ratios
 from metrics.spans import Span
@@ -35,23 +35,28 @@ class AlignmentFloor:
         return 0.0
 
     def begin(self, span: Span) -> None:
-        if span.glued is None:
+        self._found: list[TileFloor] | None = None
+        if span.glued is not None:
+            middle = span.part == 0 and span.start <= self._context.count // 2 < span.stop
+            self._found = span.glued.floor() if middle else []
+
+    def add(self, batch: Batch) -> None:
+        """Nothing to learn from pictures."""
+
+    def end(self) -> list[TileFloor] | None:
+        """The pattern's tiles, of one span alone; None where nothing is unwarped."""
+        return self._found
+
+    def take(self, found: list[TileFloor] | None) -> None:
+        if found is None:
             return
         self._unwarped = True
-        if span.part > 0 or not span.start <= self._context.count // 2 < span.stop:
-            return
-        for tiles in span.glued.floor():
+        for tiles in found:
             self._ratios["all"].add(tiles.size, tiles.energy, {"flicker": tiles.flicker})
             for number, band in enumerate(BANDS):
                 if tiles.bands is not None:
                     inside = tiles.bands == number
                     self._ratios[band].add(tiles.size, tiles.energy[inside], {"flicker": tiles.flicker[inside]})
-
-    def add(self, batch: Batch) -> None:
-        """Nothing to learn from pictures."""
-
-    def end(self) -> None:
-        """Nothing to close."""
 
     def finish(self) -> Measurement:
         found = Measurement()

@@ -11,8 +11,10 @@ The curve `budget.strip` has the rms error by octave (rows) and frame (columns, 
 """
 
 from collections import defaultdict
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metrics.bands import BANDS, describe
 from metrics.measurement import Context, Measurement, Metric
@@ -60,6 +62,38 @@ SCORES = {
 }
 
 
+class FrameEnergies(NamedTuple):
+    """Of a part's tiles in one frame: squared errors [octaves], weight, and change since the frame before.
+
+    change: NaN in the first frame of a span.
+    """
+
+    octaves: Energy
+    weight: float
+    change: float
+
+
+class LevelEnergies(NamedTuple):
+    """Of the tiles of one size: their weight [n], what is static and what varies [n, octaves], and the floor [n].
+
+    bands: of distance [n]; None without depth.
+    """
+
+    size: int
+    weight: Energy
+    static: Energy
+    varied: Energy
+    noise: Energy
+    bands: NDArray[np.intp] | None
+
+
+class BudgetFound(NamedTuple):
+    """What a part of a span has: by frame, and, with a reference, by level."""
+
+    frames: dict[int, FrameEnergies]
+    levels: list[LevelEnergies]
+
+
 class Budget:
     """Error energies of all tiles, in total, by octave, and by band of distance."""
 
@@ -96,45 +130,57 @@ class Budget:
         if noise is not None:
             self._noise[batch.level][batch.tiles] += noise
 
-    def end(self) -> None:
+    def end(self) -> BudgetFound:
+        frames: dict[int, FrameEnergies] = {}
         left = np.ones((self._span.count, len(OCTAVES)))
         if self._span.correspondence is not None:
             left = self._span.correspondence.left_in
         for index in range(self._span.count):
-            frame = self._span.start + index
-            entry = self._frames.setdefault(frame, dict.fromkeys(("weight", "mse", "change"), 0.0))
-            octaves = self._octaves[index].sum(axis=0)
-            self._strip[frame] = self._strip.get(frame, 0.0) + octaves / left[index]
-            entry["weight"] += float(self._weights[index].sum())
-            entry["mse"] += float((octaves / left[index]).sum())
+            octaves = self._octaves[index].sum(axis=0) / left[index]
             between = (left[index] + left[index - 1]) / 2
-            entry["change"] += np.nan if index == 0 else float((self._changes[index].sum(axis=0) / between).sum())
+            change = np.nan if index == 0 else float((self._changes[index].sum(axis=0) / between).sum())
+            frames[self._span.start + index] = FrameEnergies(octaves, float(self._weights[index].sum()), change)
         if not self._context.has_reference:
-            return
+            return BudgetFound(frames, [])
+        levels = []
         for index, level in enumerate(self._span.levels):
             static, varied = split(self._energy[index], self._varied[index], self._span, index)
             if self._span.left is not None:
                 self._noise[index] /= self._span.left[index] @ WHITE
-            self._settle(index, level, static, varied)
+            bands = None if self._span.bands is None else self._span.bands[index]
+            levels.append(LevelEnergies(level.size, self._weight[index], static, varied, self._noise[index], bands))
+        return BudgetFound(frames, levels)
 
-    def _settle(self, index: int, level: Level, static: Energy, varied: Energy) -> None:
-        """Add up the parts of a level's tiles, [n, octaves]."""
+    def take(self, found: BudgetFound) -> None:
+        for frame, (octaves, weight, change) in found.frames.items():
+            entry = self._frames.setdefault(frame, dict.fromkeys(("weight", "mse", "change"), 0.0))
+            self._strip[frame] = self._strip.get(frame, 0.0) + octaves
+            entry["weight"] += weight
+            entry["mse"] += float(octaves.sum())
+            entry["change"] += change
+        for level in found.levels:
+            self._settle(*level)
+
+    def _settle(
+        self, size: int, weight: Energy, static: Energy, varied: Energy, noise: Energy, bands: NDArray[np.intp] | None
+    ) -> None:
+        """Add up the parts of the tiles of a level."""
         low = np.array(OCTAVES) < CUT
         parts = {
             "mse": static.sum(axis=1) + varied.sum(axis=1),
             "bias": static[:, low].sum(axis=1),
             "detail": static[:, ~low].sum(axis=1),
             "flicker": varied.sum(axis=1),
-            "floor": self._noise[index],
+            "floor": noise,
         }
         octaves = {f"static {i}": static[:, i] for i in range(len(OCTAVES))}
         octaves |= {f"flicker {i}": varied[:, i] for i in range(len(OCTAVES))}
-        self._ratios["all"].add(level.size, self._weight[index], parts | octaves)
-        if self._span.bands is not None:
+        self._ratios["all"].add(size, weight, parts | octaves)
+        if bands is not None:
             for number, band in enumerate(BANDS):
-                members = self._span.bands[index] == number
+                members = bands == number
                 inside = {name: values[members] for name, values in (parts | octaves).items()}
-                self._ratios[band].add(level.size, self._weight[index][members], inside)
+                self._ratios[band].add(size, weight[members], inside)
 
     def finish(self) -> Measurement:
         found = Measurement(frames=[self._entry(frame) for frame in sorted(self._frames)])

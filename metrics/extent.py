@@ -24,15 +24,16 @@ class Extent:
         return 0.0
 
     def begin(self, span: Span) -> None:
-        if span.part > 0:
-            return
-        self._covered += span.covered * span.count
+        self._span = span
 
     def add(self, batch: Batch) -> None:
         """Nothing to learn from pictures."""
 
-    def end(self) -> None:
-        """Nothing to close."""
+    def end(self) -> float:
+        return 0.0 if self._span.part > 0 else self._span.covered * self._span.count
+
+    def take(self, found: float) -> None:
+        self._covered += found
 
     def finish(self) -> Measurement:
         return Measurement(

@@ -4,7 +4,7 @@ import numpy as np
 
 from metrics.measurement import Context, Measurement, Metric
 from metrics.octaves import OCTAVES
-from metrics.ratios import Ratios
+from metrics.ratios import Ratios, Values
 from metrics.spans import Span
 from metrics.spectra import Batch, flickering
 from metrics.tiles import Level
@@ -44,13 +44,20 @@ class ResidualFlicker:
             varied[batch.level][batch.tiles] += batch.followed.varied[name]
         self._weight[batch.level][batch.tiles] += 3 * batch.weight
 
-    def end(self) -> None:
+    def end(self) -> list[tuple[int, Values, dict[str, Values]]]:
+        """For every level its size, and the tiles' weight and parts."""
+        found = []
         for index, level in enumerate(self._span.levels):
             parts = {}
             for name, varied in self._varied.items():
                 score = "residual.flicker" if name == "test" else f"residual.flicker.{name}"
                 parts[score] = flickering(varied[index], self._span, index).sum(axis=1)
-            self._ratios.add(level.size, self._weight[index], parts)
+            found.append((level.size, self._weight[index], parts))
+        return found
+
+    def take(self, found: list[tuple[int, Values, dict[str, Values]]]) -> None:
+        for tiles in found:
+            self._ratios.add(*tiles)
 
     def finish(self) -> Measurement:
         found = Measurement()

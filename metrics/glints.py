@@ -38,26 +38,36 @@ def largest(pixels: NDArray[np.float64], sums: NDArray[np.float64], share: float
     return Few(made / total, float(np.sqrt(made / wanted))) if total > 0 else Few(0.0, 0.0)
 
 
+Counted = NDArray[np.float64]
+
+
+def count(error: Image, covered: Mask, reached: Mask, launcher: Launcher) -> Counted:
+    """[2, 3, SIZES], how many squared errors of a frame there are of each size, and their sums.
+
+    Of pixels that tiles reach, of other covered ones, and of the rest. error: [3, H, W], finite. covered, reached:
+    [H, W], where the frame is covered and, within that, tiles reach.
+    """
+    height = len(covered)
+    pixels, sums = (launcher.zeros((-(-height // ROWS), 3, SIZES), wp.float64) for _ in range(2))
+    masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
+    inputs = [launcher.view(error, wp.float32), *masks, pixels, sums]
+    launcher.over(height, sort_by_size, (), inputs, each=ROWS)
+    return np.array([pixels.numpy().sum(axis=0), sums.numpy().sum(axis=0)])
+
+
 @dataclass
 class Glints:
-    """Counts and sums of squared errors by size: of pixels that tiles reach, of other covered ones, and of the rest."""
+    """Counts and sums of squared errors by size, of all frames."""
 
-    _pixels: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, SIZES)))
-    _sums: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, SIZES)))
+    _counted: Counted = field(default_factory=lambda: np.zeros((2, 3, SIZES)))
 
-    def add(self, error: Image, covered: Mask, reached: Mask, launcher: Launcher) -> None:
-        """Take in a frame's error [3, H, W], finite; and where it is covered and, within that, tiles reach, [H, W]."""
-        height = len(covered)
-        pixels, sums = (launcher.zeros((-(-height // ROWS), 3, SIZES), wp.float64) for _ in range(2))
-        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
-        inputs = [launcher.view(error, wp.float32), *masks, pixels, sums]
-        launcher.over(height, sort_by_size, (), inputs, each=ROWS)
-        self._pixels += pixels.numpy().sum(axis=0)
-        self._sums += sums.numpy().sum(axis=0)
+    def take(self, counted: Counted) -> None:
+        """Add what `count` found of the next frame."""
+        self._counted += counted
 
     def few(self) -> dict[str, Few]:
         """What the largest errors make of `budget.mse`, where tiles reach, and of `frame.mse`, where it is covered."""
-        (measured, other, _), (measured_sum, other_sum, _) = self._pixels, self._sums
+        (measured, other, _), (measured_sum, other_sum, _) = self._counted
         return {
             "budget.mse": largest(measured, measured_sum),
             "frame.mse": largest(measured + other, measured_sum + other_sum),

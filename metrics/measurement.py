@@ -114,6 +114,8 @@ class Context:
 class Measure(Protocol):
     """Takes in a clip span by span, each in parts; of every piece of tiles frame by frame, in order.
 
+    One looks at frames, from `begin` to `end`; another adds up what it found, with `take`, and may be in another
+    process: so scores are the same bits wherever spans were looked at.
     `add` is called from several threads, of each piece from one at a time: it may write what belongs to the piece
     only, so that scores are the same bits for any number of threads.
     """
@@ -129,8 +131,11 @@ class Measure(Protocol):
     def add(self, batch: Batch) -> None:
         """The next frame's spectra of a piece of tiles."""
 
-    def end(self) -> None:
-        """The part has ended."""
+    def end(self) -> Any:
+        """The part has ended: what was found in it, in plain values that can be pickled."""
+
+    def take(self, found: Any) -> None:
+        """Add what was found in the next part, in the order of spans and parts."""
 
     def finish(self) -> Measurement:
         """Scores and curves over all spans."""

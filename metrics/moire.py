@@ -9,8 +9,8 @@ Standard errors are a jackknife over upright strips of the picture (Efron & Stei
 its bin and those around it.
 """
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,19 @@ Power = NDArray[np.float64]
 Peak = tuple[float, float, float]
 
 
+class PowerFound(NamedTuple):
+    """Of the largest tiles of a part of a span: how many each strip has, and their power by strip.
+
+    size: of the tiles, px. part: which of the span's. frames: of the span.
+    """
+
+    size: int
+    part: int
+    frames: int
+    tiles: dict[int, int]
+    power: dict[int, Power]
+
+
 class Moire:
     """Mean power spectra of the largest tiles, by upright strips of the picture, whose spread gives the errors."""
 
@@ -87,9 +100,7 @@ class Moire:
         if span.levels:
             level = span.levels[0]
             self._strip = ((level.origin[:, 1] + level.size / 2) * STRIPS / span.shape[1]).astype(int)
-            self._here = level.count + (self._here if span.part else 0)
-            self._tiles[self._size] = max(self._here, self._tiles.get(self._size, 0))
-            self._frames = span.count
+            self._frames, self._part = span.count, span.part
 
     def add(self, batch: Batch) -> None:
         if batch.level != 0 or batch.error is None:
@@ -97,18 +108,29 @@ class Moire:
         present, place = np.unique(self._strip[batch.tiles], return_inverse=True)
         summed = np.zeros((len(present), len(KINDS), *batch.error.shape[2:]))
         add_power(batch.test, batch.error, place.astype(np.int32), summed)
-        powers = self._pieces.setdefault(batch.piece, {})
-        for strip, power in zip(present.tolist(), summed, strict=True):
-            powers[strip] = powers[strip] + power if strip in powers else power
+        _add(self._pieces.setdefault(batch.piece, {}), dict(zip(present.tolist(), summed, strict=True)))
 
-    def end(self) -> None:
-        strips, seen = self._strips.setdefault(self._size, {}), self._seen.setdefault(self._size, {})
+    def end(self) -> PowerFound | None:
+        if not self._size:
+            return None
+        strips, counts = np.unique(self._strip, return_counts=True)
+        tiles = dict(zip(strips.tolist(), counts.tolist(), strict=True))
+        power: dict[int, Power] = {}
         for _, powers in sorted(self._pieces.items()):
-            for strip, power in powers.items():
-                strips[strip] = strips[strip] + power if strip in strips else power
-        if self._pieces:
-            for strip, tiles in zip(*np.unique(self._strip, return_counts=True), strict=True):
-                seen[int(strip)] = seen.get(int(strip), 0) + 3 * self._frames * int(tiles)
+            _add(power, powers)
+        return PowerFound(self._size, self._part, self._frames, tiles, power)
+
+    def take(self, found: PowerFound | None) -> None:
+        if found is None:
+            return
+        size, part, frames, tiles, power = found
+        self._here = sum(tiles.values()) + (self._here if part else 0)
+        self._tiles[size] = max(self._here, self._tiles.get(size, 0))
+        strips, seen = self._strips.setdefault(size, {}), self._seen.setdefault(size, {})
+        _add(strips, power)
+        if power:
+            for strip, number in tiles.items():
+                seen[strip] = seen.get(strip, 0) + 3 * frames * number
 
     def finish(self) -> Measurement:
         found = Measurement()
@@ -154,6 +176,12 @@ class Moire:
             left.append(_values(power, followed))
         names = [name for name in left[0] if all(name in values for values in left)]
         return {name: [values[name] for values in left] for name in names}
+
+
+def _add(to: dict[int, Power], power: Mapping[int, Power]) -> None:
+    """Add power by strip."""
+    for strip, found in power.items():
+        to[strip] = to[strip] + found if strip in to else found
 
 
 def _values(power: dict[str, Power], leading: Peak | None) -> dict[str, float]:

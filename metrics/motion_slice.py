@@ -6,6 +6,7 @@ SLAB / L cycles/px to both sides of that direction, of sampled tiles, under a Ha
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,19 @@ STEPS = 32
 
 Frequencies = NDArray[np.float64]
 Places = NDArray[np.intp]
+
+
+class SliceFound(NamedTuple):
+    """The slab's energy [frequencies, bins] in a part of a span.
+
+    screen: its temporal frequency, cycles a frame. columns: of each bin, k in 1/size cycles/px. weight: sum of w^2.
+    """
+
+    size: int
+    screen: Frequencies
+    columns: Places
+    energy: NDArray[np.float64]
+    weight: float
 
 
 class MotionSlice:
@@ -66,9 +80,9 @@ class MotionSlice:
             flat = batch.error.reshape(*batch.error.shape[:2], -1)
             self._seen[here, index] = flat[chosen[:, None, None], np.arange(3)[:, None], self._bins]
 
-    def end(self) -> None:
+    def end(self) -> SliceFound | None:
         if self._level is None or self._velocity is None or not len(self._seen):
-            return
+            return None
         tiles, count = self._seen.shape[:2]
         hann = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 2
         turned = fft.fft(self._seen * hann.astype(np.float32)[:, None, None], axis=1, overwrite_x=True)
@@ -78,9 +92,16 @@ class MotionSlice:
         locked = np.fft.fftfreq(count)[:, None] * forward
         screen = locked - np.abs(self._along) * np.hypot(*self._velocity)
         size = self._level.size
-        picture = self._found.setdefault(size, np.zeros((STEPS, size // 2 + 1)))
-        _spread(picture, screen, np.rint(np.abs(self._along) * size).astype(int), energy)
-        self._weight[size] = self._weight.get(size, 0.0) + 3 * tiles * count * self._energy
+        columns = np.rint(np.abs(self._along) * size).astype(int)
+        return SliceFound(size, screen, columns, energy, 3 * tiles * count * self._energy)
+
+    def take(self, found: SliceFound | None) -> None:
+        """Add what was found in the next part."""
+        if found is None:
+            return
+        picture = self._found.setdefault(found.size, np.zeros((STEPS, found.size // 2 + 1)))
+        _spread(picture, found.screen, found.columns, found.energy)
+        self._weight[found.size] = self._weight.get(found.size, 0.0) + found.weight
 
     def curve(self) -> dict[str, list[object]] | None:
         """The slice, in decibels to 1 radiance^2 of mean squared error; None where there is none.

@@ -13,12 +13,13 @@ T frames tell at most T temporal frequencies apart: a pure noise puts 1 / T of i
 """
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
-from metrics.motion_slice import MotionSlice
+from metrics.motion_slice import MotionSlice, SliceFound
 from metrics.orders import RAISED, Order, Orders, rank, separate
 from metrics.ratios import Ratios
 from metrics.spans import Span
@@ -52,6 +53,19 @@ SCORES = {
     ),
 }
 RANKS = {"plane.on": 0, "plane.order1": 1, "plane.order2": 2}
+
+
+class OrdersFound(NamedTuple):
+    """Energies of the sampled tiles of a part of a span of so many frames.
+
+    size: of the tiles, px. orders: [n, orders]. off: [n], off every plane. level: of the mean level, all tiles.
+    """
+
+    size: int
+    frames: int
+    orders: NDArray[np.float64]
+    off: NDArray[np.float64]
+    level: float
 
 
 class Plane:
@@ -116,14 +130,14 @@ class Plane:
             # Row by row: products so small that BLAS starts no threads of its own beside ours.
             tile += np.matmul(rows, frames.transpose(1, 2, 0, 3)).transpose(2, 0, 1, 3)
 
-    def end(self) -> None:
-        self._slice.end()
+    def end(self) -> tuple[SliceFound | None, OrdersFound | None]:
+        return self._slice.end(), self._separated()
+
+    def _separated(self) -> OrdersFound | None:
         if self._level is None or self._orders is None or not self._level.count:
-            return
+            return None
         inverse: Complex = np.asarray(np.linalg.inv(self._orders.gram(self._count)), np.complex128)
         opposite = self._orders.opposite()
-        self._blurred |= self._orders.blurred(self._count)
-        self._chance = max(self._chance, 1 / self._count)
         raised = self._orders.raised(self._count)
         found = np.zeros((len(self._total), len(opposite)))
         off = np.zeros(len(self._total))
@@ -140,12 +154,23 @@ class Plane:
             each = np.where(raised > RAISED, joint, alone)
             # The stored half plane holds one of k, order n, and -k, order -n: both have the same energy.
             found[tile] = (each + each[opposite]) / 2
+        level = self._count * float(np.sum(self._first**2)) * energy(self._level_spectrum[None, None])[0]
+        return OrdersFound(self._level.size, self._count, found, off, level)
+
+    def take(self, found: tuple[SliceFound | None, OrdersFound | None]) -> None:
+        along, separated = found
+        self._slice.take(along)
+        if separated is None or self._orders is None:
+            return
+        size, count, each, off, level_energy = separated
+        self._blurred |= self._orders.blurred(count)
+        self._chance = max(self._chance, 1 / count)
         groups = np.array([rank(order) for order in self._orders.single])
-        parts = {name: found[:, groups == level].sum(axis=1) for name, level in RANKS.items()}
-        parts |= {f"{x},{y}": found[:, index] for index, (x, y) in enumerate(self._orders.single)}
+        parts = {name: each[:, groups == level].sum(axis=1) for name, level in RANKS.items()}
+        parts |= {f"{x},{y}": each[:, index] for index, (x, y) in enumerate(self._orders.single)}
         parts["plane.off"] = off
-        self._ratios.add(self._level.size, found.sum(axis=1) + off, parts)
-        self._level_energy += self._count * float(np.sum(self._first**2)) * energy(self._level_spectrum[None, None])[0]
+        self._ratios.add(size, each.sum(axis=1) + off, parts)
+        self._level_energy += level_energy
 
     def _fit(self, inverse: Complex, flat: Complex) -> Complex:
         """inverse @ flat, [orders, bins], some bins at a time: BLAS shares no such product out to threads.

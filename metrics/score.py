@@ -1,6 +1,6 @@
-"""Measure a clip: one pass over the frames feeds every measure."""
+"""Measure a clip: one pass over the frames feeds every measure; at once, or its spans by parts."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,19 +10,13 @@ from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
+from metrics.pixels import Pixels
+from metrics.plan import Plan, velocity_of
 from metrics.reference_frames import ReferenceFrames
-from metrics.spans import Alignment, Placement, align
+from metrics.spans import Alignment, Placement, align, plan_spans
 from metrics.spectra import Pictures
 from metrics.sweep import Sweep
-from metrics.tiles import SIZES
-from metrics.whole_frame import SCORES as WHOLE_FRAME
-from metrics.whole_frame import WholeFrame
-
-# A screen-fixed error must travel this far against the surface to read as flicker for more than .9, px.
-TRAVEL = 25.0
-
-HALF_THE_PICTURE = 0.5
-"""Below this share of measured pixels there is a note."""
+from metrics.totals import Found, PartFound, SpanFound, Totals, every_pixel
 
 MEMORY, MEMORY_PER_PIXEL = 1.2e9, 290.0
 """Bytes that measuring may take, if nothing else is said, and for each pixel of a large frame."""
@@ -63,85 +57,162 @@ def measure(
     Frames are read one at a time, by one thread, and once where the memory allows. Raises ClipError for frames that
     cannot be measured and ValueError for an unknown name or device.
     """
-    registry.check_names(names)
-    exact = reference if isinstance(reference, ReferenceFrames) else None
-    if isinstance(reference, Clip):
-        exact = ReferenceFrames(reference, error=reference_error, domain=domain, display=display)
-    elif reference_error is not None:
-        raise ValueError("reference_error: needs a clip as reference; leave it out: ReferenceFrames have their own")
-    if exact is not None and (exact.domain, exact.display) != (domain, display):
-        raise ValueError(f"the test is measured in the domain {domain}, the reference is of another domain or display")
-    geometry = _geometry(test, exact.reference if exact else None)
-    height, width = geometry.shape
-    memory = memory or max(MEMORY, MEMORY_PER_PIXEL * height * width)
-    launcher = Launcher(threads=threads, device=device)
-    alignment = alignment or align(geometry, keep=False, room=memory / 4, launcher=launcher)
-    steps = alignment.steps
-    context = Context(
-        count=test.count,
-        has_reference=exact is not None,
-        has_floor=exact is not None and exact.has_floor,
-        has_depth=geometry.depth is not None,
-        velocity=_velocity(geometry, steps),
-        fps=test.fps,
-        pixels_per_degree=test.pixels_per_degree if domain == "linear" else None,
-        luminance=test.luminance,
+    measuring = Measuring(
+        test,
+        reference,
+        domain=domain,
+        display=display,
+        reference_error=reference_error,
+        names=names,
+        memory=memory,
+        threads=threads,
+        device=device,
     )
-    every_pixel = any(registry.selected(name, names) for name in WHOLE_FRAME)
-    measures = [measure_type(context) for measure_type in registry.measures(names)]
+    return measuring.measure(alignment, progress)
 
-    whole = WholeFrame(alignment.geometry, exact is not None, launcher)
 
-    def shown(t: int) -> Image:
-        return to_domain(test.planes(t), domain, display, t)
+class Measuring:
+    """A clip that is to be measured.
 
-    def read(place: Placement) -> Pictures:
-        picture, t = shown(place.t), place.t
-        found = None if exact is None else exact.exact(t)
-        off = None if found is None else picture - found[0]
-        if every_pixel and place.span.part == 0:
-            span = place.span
-            whole.add(t, off, place if span.rows == slice(0, span.shape[0]) else None)
-        seen = place.align(picture)
-        if exact is None or found is None or off is None:
-            return Pictures(seen)
-        if place.away is None:
-            half = found[1]
-            return Pictures(seen, place.align(off), None if half is None else place.align(half))
-        # Unwarping is linear, and most of the work: the difference is taken after it.
-        reference, half = exact.aligned(place, found)
-        return Pictures(seen, seen - reference, half)
+    In one process: `measure`. In several: one makes the `plan`, others `look` at some of its spans each, and one, which
+    reads no frame but the first, for its size, can `join` what they found: the same additions in the same order, and so
+    the same bits.
+    """
 
-    notes = []
-    longest = 0
-    pictures = 1 + context.has_reference + context.has_floor
-    with launcher, Sweep(measures, read, pictures=pictures, memory=memory, threads=threads) as sweep:
-        for span in alignment.spans:
-            whole.begin(span)
-            if measures:
-                sweep.run(span, lambda done: progress and progress(done, test.count))
-            elif every_pixel:
-                for t in range(span.start, span.stop):
-                    whole.add(t, None if exact is None else shown(t) - exact.exact(t)[0])
-                    if progress:
-                        progress(t + 1, test.count)
-            longest = max(longest, span.count)
-            if not span.levels:
-                notes.append(f"frames {span.start} to {span.stop - 1}: no tile of {SIZES[-1]} px stays wholly covered")
-    if longest < test.count:
-        notes.append(f"frames are aligned in spans of {longest} at most: slower changes read as static")
-    found = Measurement(notes=notes + (_travel_note(steps) if exact is not None else []))
-    for each in measures:
-        found.merge(each.finish())
-    if every_pixel:
-        found.merge(whole.finish())
-    found.notes += _extent_note(found.scores) + (whole.glints.notes() if domain == "linear" else [])
-    found.scores = {name: found.scores[name] for name in sorted(found.scores) if registry.selected(name, names)}
-    found.errors = {name: found.errors[name] for name in found.scores if name in found.errors}
-    found.replicates = {name: found.replicates[name] for name in found.scores if name in found.replicates}
-    found.absent = {name: found.absent[name] for name in sorted(found.absent) if registry.selected(name, names)}
-    found.note_unknown_errors()
-    return found
+    def __init__(
+        self,
+        test: Clip,
+        reference: Clip | ReferenceFrames | None = None,
+        *,
+        domain: Domain = "linear",
+        display: Display = STANDARD,
+        reference_error: FrameSource | None = None,
+        names: Sequence[str] | None = None,
+        memory: float | None = None,
+        threads: int | None = None,
+        device: str = "cpu",
+    ) -> None:
+        """As `metrics.measure` takes it, and raises."""
+        registry.check_names(names)
+        exact = reference if isinstance(reference, ReferenceFrames) else None
+        if isinstance(reference, Clip):
+            exact = ReferenceFrames(reference, error=reference_error, domain=domain, display=display)
+        elif reference_error is not None:
+            raise ValueError("reference_error: needs a clip as reference; leave it out: ReferenceFrames have their own")
+        if exact is not None and (exact.domain, exact.display) != (domain, display):
+            raise ValueError(
+                f"the test is measured in the domain {domain}, the reference is of another domain or display"
+            )
+        self._test, self._exact, self._names = test, exact, names
+        self._domain, self._display = domain, display
+        self._clip = _geometry(test, exact.reference if exact else None)
+        height, width = self._clip.shape
+        self._memory = memory or max(MEMORY, MEMORY_PER_PIXEL * height * width)
+        self._threads, self._device = threads, device
+
+    def measure(self, alignment: Alignment | None = None, progress: Progress | None = None) -> Measurement:
+        """Measure all spans here. alignment, progress: as `metrics.measure` takes them."""
+        with self._launcher() as launcher:
+            alignment = alignment or align(self._clip, keep=False, room=self._room, launcher=launcher)
+            totals = self._totals(alignment.steps)
+            self._look(alignment, launcher, totals.take, progress)
+        return totals.finish()
+
+    def plan(self) -> Plan:
+        """The spans that the clip is measured in."""
+        with self._launcher() as launcher:
+            return plan_spans(self._clip, room=self._room, launcher=launcher)
+
+    def look(self, plan: Plan, some: slice) -> list[Found]:
+        """What there is in some of the plan's spans, which follow each other."""
+        found: list[Found] = []
+        with self._launcher() as launcher:
+            alignment = align(self._clip, plan=plan, some=some, keep=False, room=self._room, launcher=launcher)
+            self._look(alignment, launcher, found.append, None)
+        return found
+
+    def join(self, plan: Plan, found: Iterable[Found]) -> Measurement:
+        """The scores of what was found in all of the plan's spans, in their order."""
+        totals = self._totals(plan.steps)
+        for each in found:
+            totals.take(each)
+        return totals.finish()
+
+    @property
+    def _room(self) -> float:
+        return self._memory / 4
+
+    def _launcher(self) -> Launcher:
+        return Launcher(threads=self._threads, device=self._device)
+
+    def _context(self, steps: NDArray[np.float64] | None) -> Context:
+        test, exact = self._test, self._exact
+        return Context(
+            count=test.count,
+            has_reference=exact is not None,
+            has_floor=exact is not None and exact.has_floor,
+            has_depth=self._clip.depth is not None,
+            velocity=velocity_of(self._clip, steps),
+            fps=test.fps,
+            pixels_per_degree=test.pixels_per_degree if self._domain == "linear" else None,
+            luminance=test.luminance,
+        )
+
+    def _totals(self, steps: NDArray[np.float64] | None) -> Totals:
+        context = self._context(steps)
+        return Totals(context, self._clip.shape, steps=steps, names=self._names, domain=self._domain)
+
+    def _look(
+        self, alignment: Alignment, launcher: Launcher, take: Callable[[Found], None], progress: Progress | None
+    ) -> None:
+        """Look at every frame of an alignment. take: called with each piece of what is found."""
+        exact, context = self._exact, self._context(alignment.steps)
+        measures = [measure(context) for measure in registry.measures(self._names)]
+        whole = every_pixel(self._names)
+        pixels = Pixels(alignment.geometry, launcher, has_reference=context.has_reference)
+
+        def read(place: Placement) -> Pictures:
+            picture, t, span = self._shown(place.t), place.t, place.span
+            found = None if exact is None else exact.exact(t)
+            off = None if found is None else picture - found[0]
+            if whole and span.part == 0:
+                take(pixels.look(t, off, place if span.rows == slice(0, span.shape[0]) else None))
+            seen = place.align(picture)
+            if exact is None or found is None or off is None:
+                return Pictures(seen)
+            if place.away is None:
+                half = found[1]
+                return Pictures(seen, place.align(off), None if half is None else place.align(half))
+            # Unwarping is linear, and most of the work: the difference is taken after it.
+            reference, half = exact.aligned(place, found)
+            return Pictures(seen, seen - reference, half)
+
+        def advance(done: int) -> None:
+            if progress is not None:
+                progress(done, context.count)
+
+        pictures = 1 + context.has_reference + context.has_floor
+        followed = 0
+        with Sweep(measures, read, pictures=pictures, memory=self._memory, threads=self._threads) as sweep:
+            for span in alignment.spans:
+                if whole and span.start not in (followed, *self._clip.cuts):
+                    pixels.lead(self._error(span.start - 1))
+                followed = span.stop
+                pixels.begin(span)
+                if measures:
+                    sweep.run(span, advance, lambda found: take(PartFound(found)))
+                elif whole:
+                    for t in range(span.start, span.stop):
+                        take(pixels.look(t, self._error(t)))
+                        advance(t + 1)
+                take(SpanFound(span.start, span.stop, bool(span.levels)))
+
+    def _shown(self, t: int) -> Image:
+        return to_domain(self._test.planes(t), self._domain, self._display, t)
+
+    def _error(self, t: int) -> Image | None:
+        """Frame t of the test minus that of the reference, [3, H, W]; None without one."""
+        return None if self._exact is None else self._shown(t) - self._exact.exact(t)[0]
 
 
 def _geometry(test: Clip, reference: Clip | None) -> Clip:
@@ -156,39 +227,3 @@ def _geometry(test: Clip, reference: Clip | None) -> Clip:
             f"{reference.shape[1]}x{reference.shape[0]} px; they must match"
         )
     return test.with_geometry(reference)
-
-
-def _velocity(clip: Clip, steps: NDArray[np.float64] | None) -> tuple[float, float] | None:
-    """(dx, dy) px a frame, if all steps within a shot are the same to a thousandth of a pixel over the clip."""
-    if not callable(clip.motion):
-        return clip.motion
-    within = [t for t in range(1, clip.count) if t not in clip.cuts]
-    if steps is None or not within:
-        return None
-    mean = steps[within].mean(axis=0)
-    strayed = np.cumsum(steps[within] - mean, axis=0)
-    return (float(mean[1]), float(mean[0])) if np.max(np.abs(strayed)) < 1e-3 else None
-
-
-def _extent_note(scores: Mapping[str, float]) -> list[str]:
-    """A warning where the budget speaks for less than half of the picture."""
-    share = scores.get("measured.fraction", 1.0)
-    if share >= HALF_THE_PICTURE:
-        return []
-    return [
-        f"tiles reach {share:.0%} of the picture, and budget, residual and plane speak of these pixels alone; "
-        f"edges.* ({scores['edges.fraction']:.0%}) and new.* ({scores['new.fraction']:.0%}) speak of the rest"
-    ]
-
-
-def _travel_note(steps: NDArray[np.float64] | None) -> list[str]:
-    """A warning where an error fixed to the screen would not show as one; where nothing moves it is none."""
-    if steps is None or len(steps) < 2:
-        return []
-    travelled = float(np.hypot(*steps[1:].sum(axis=0)))
-    if travelled == 0 or travelled >= TRAVEL:
-        return []
-    return [
-        f"the surface travels {travelled:.1f} px: an error fixed to the screen reads as flicker only in part "
-        f"below {TRAVEL:g} px"
-    ]

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,26 +13,8 @@ from metrics.correspondence import Correspondence
 from metrics.geometry import Field, Geometry, Mask
 from metrics.glued import Glued
 from metrics.kernels.launch import Launcher
+from metrics.plan import Plan, longest_unwarped, plan_shots, uniform_steps
 from metrics.tiles import Level, Offset, lay
-
-# A motion field whose values lie this near to each other is taken as uniform, px.
-UNIFORM = 1e-4
-
-# Motion is held for a whole span, so a span under non-uniform motion ends here: frames, and pixels in all of them.
-LONGEST_UNWARPED = 32
-MOST_UNWARPED = 2**25
-
-# A span may be so long that this share of what a single frame would show is still measured. Under a uniform motion
-# long spans cost nothing but area; unwarped ones also lose accuracy.
-KEPT = 0.2
-KEPT_UNWARPED = 0.45
-
-# What changes more slowly than a span is long reads as static, and of an error fixed to the screen what it does not
-# travel: spans shorter than this, frames and px, are made only where the longer ones leave next to nothing, this share
-# of enough.
-SHORTEST = 16
-SHORTEST_TRAVEL = 50.0
-LITTLE = 1 / 3
 
 # A pixel counts as measured where the squared windows of tiles sum to this.
 HALF = 0.5
@@ -119,95 +100,62 @@ class Alignment:
     spans: Iterable[Span]
 
 
-def align(clip: Clip, *, keep: bool = True, room: float = ROOM, launcher: Launcher | None = None) -> Alignment:
+def align(
+    clip: Clip,
+    *,
+    plan: Plan | None = None,
+    some: slice = slice(None),
+    keep: bool = True,
+    room: float = ROOM,
+    launcher: Launcher | None = None,
+) -> Alignment:
     """Align a clip's frames by its motion and coverage.
 
+    plan: from `plan_spans`; None: found here. some: which of its spans to make.
     keep: hold all spans, to be used again; else they are made as they are asked for, once.
     room: bytes that motion and coverage may take, and half as many places if the motion is not uniform; what does not
         fit is read or found again.
     launcher: runs the kernels; None: one with all cores.
     """
-    together = clip.count if keep else min(clip.count, longest_unwarped(clip))
-    geometry = Geometry(clip, room=room if fits(clip, together + 1, room) else 0.0)
-    steps = uniform_steps(geometry)
-    spans = plan(geometry, steps, launcher or Launcher(), room=room / 2 / together)
+    geometry, places = _share_out(clip, room, together=clip.count if keep else None)
+    steps = uniform_steps(geometry) if plan is None else plan.steps
+    make = _maker(geometry, steps, launcher or Launcher(), places)
+    spans = _spans(geometry, steps, make) if plan is None else (make(*bounds) for bounds in plan.bounds[some])
     return Alignment(geometry, steps, list(spans) if keep else spans)
 
 
-def fits(clip: Clip, count: int, room: float) -> bool:
-    """Whether the motion of so many frames fits in `room` bytes.
+def plan_spans(clip: Clip, *, room: float = ROOM, launcher: Launcher | None = None) -> Plan:
+    """The spans in which a clip is measured, without those that are not asked for. The rest as for `align`."""
+    geometry, places = _share_out(clip, room, together=None)
+    steps = uniform_steps(geometry)
+    make = _maker(geometry, steps, launcher or Launcher(), places)
+    return Plan(steps, tuple(bound for bounds, _ in plan_shots(geometry, steps, make) for bound in bounds))
 
-    A span's is gone through several times: if not all of it fits, what is asked for next would always be gone already.
+
+def _share_out(clip: Clip, room: float, *, together: int | None) -> tuple[Geometry, float]:
+    """A clip's geometry, and the bytes that the places of one frame may take.
+
+    together: frames that are held at a time; None: those of one span. A span's motion is gone through several times: if
+    not all of it fits, what is asked for next would always be gone already, so that no more is held than is needed.
     """
-    return 8.0 * count * clip.shape[0] * clip.shape[1] <= room
+    frames = together or min(clip.count, longest_unwarped(clip))
+    motion = 8.0 * clip.shape[0] * clip.shape[1]
+    return Geometry(clip, room=room if motion * (frames + 1) <= room else 0.0), room / 2 / frames
 
 
-def longest_unwarped(clip: Clip) -> int:
-    """Frames of a span under non-uniform motion at most."""
-    height, width = clip.shape
-    return min(LONGEST_UNWARPED, max(SHORTEST, MOST_UNWARPED // (height * width)))
+def _maker(
+    geometry: Geometry, steps: NDArray[np.float64] | None, launcher: Launcher, places: float
+) -> Callable[[int, int], Span]:
+    """What makes spans. places: bytes that those of a frame may take."""
+    return lambda start, stop: _span(geometry, start, stop, steps, launcher, places)
 
 
-def uniform_steps(geometry: Geometry) -> NDArray[np.float64] | None:
-    """[count, 2] (y, x) px by which the whole picture moves into each frame, or None if it is not so.
-
-    A field is uniform if it varies by no more than UNIFORM px over the covered pixels; its mean is the step. Into the
-    first frame of a shot nothing moves.
-    """
-    clip = geometry.clip
-    if not callable(clip.motion):
-        return np.tile(np.asarray(clip.motion, dtype=np.float64)[::-1], (clip.count, 1))
-    steps = np.zeros((clip.count, 2))
-    for t in range(1, clip.count):
-        if t in clip.cuts:
-            continue
-        surface = geometry.surface(t)
-        seen = surface.motion[surface.whole]
-        if len(seen) and max(np.ptp(seen[:, axis]) for axis in range(2)) > UNIFORM:
-            return None
-        steps[t] = seen.mean(axis=0, dtype=np.float64)[::-1] if len(seen) else steps[t - 1]
-    return steps
-
-
-def plan(geometry: Geometry, steps: NDArray[np.float64] | None, launcher: Launcher, *, room: float) -> Iterator[Span]:
-    """Cut every shot of a clip in spans as long as tiles stay in view; yields them one by one, in order.
-
-    The spans of a shot are about equal, 1, 2, 4, ... of them: as few as measure enough of what a single frame shows.
-    room: bytes that the places of a frame may take.
-    """
-
-    def make(start: int, stop: int) -> Span:
-        return _span(geometry, start, stop, steps, launcher, room)
-
-    for first, last in pairwise([0, *geometry.clip.cuts, geometry.count]):
-        longest = last - first if steps is not None else longest_unwarped(geometry.clip)
-        yield from _plan_shot(first, last, make, longest, steps)
-
-
-def _plan_shot(
-    first: int, last: int, make: Callable[[int, int], Span], longest: int, steps: NDArray[np.float64] | None
-) -> Iterator[Span]:
-    """The spans of frames first..last-1. make: start, stop -> a span. longest: frames of one at most."""
-    count, middle = last - first, (first + last) // 2
-    enough = (KEPT if steps is not None else KEPT_UNWARPED) * make(middle, middle + 1).measured
-    number = -(-count // longest)
-    while True:
-        edges = np.linspace(first, last, number + 1).round().astype(int)
-        bounds = [(int(start), int(stop)) for start, stop in pairwise(edges)]
-        trial = bounds[number // 2]
-        span = make(*trial)
-        short = span.measured > LITTLE * enough and _too_short(count / (2 * number), steps)
-        if span.measured >= enough or count < 4 * number or short:
-            break
-        number *= 2
-    for bound in bounds:
-        yield span if bound == trial else make(*bound)
-
-
-def _too_short(count: float, steps: NDArray[np.float64] | None) -> bool:
-    """Whether a span of so many frames is too short to show what moves against the surface."""
-    travel = np.inf if steps is None or len(steps) < 2 else count * float(np.hypot(*steps[1:].mean(axis=0)))
-    return count < SHORTEST or travel < SHORTEST_TRAVEL
+def _spans(geometry: Geometry, steps: NDArray[np.float64] | None, make: Callable[[int, int], Span]) -> Iterator[Span]:
+    """A clip's spans one by one, in order; the one that was made for the plan is not made again."""
+    for bounds, middle in plan_shots(geometry, steps, make):
+        for number, bound in enumerate(bounds):
+            yield middle if number == len(bounds) // 2 else make(*bound)
+        del middle  # Its places are let go before the next shot is planned.
 
 
 def _span(

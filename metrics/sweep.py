@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from types import TracebackType
+from typing import Any
 
 from metrics.machine import cores
 from metrics.measurement import Measure
@@ -48,8 +49,11 @@ class Sweep:
     def __exit__(self, kind: type[BaseException] | None, *_: BaseException | TracebackType | None) -> None:
         self._pool.shutdown(wait=True, cancel_futures=kind is not None)
 
-    def run(self, span: Span, advance: Callable[[int], object]) -> None:
-        """Feed a span; `advance` is called with the number of the clip's frames that are done."""
+    def run(self, span: Span, advance: Callable[[int], object], take: Callable[[list[Any]], object]) -> None:
+        """Feed a span; `advance` is called with the number of the clip's frames that are done.
+
+        take: called after each part with what every measure found in it.
+        """
         height, width = span.shape
         frame = self._frame * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
@@ -65,8 +69,7 @@ class Sweep:
             before = span.start * total + number * span.count
             for done in self._feed(part, chunk):
                 advance((before + done) // total)
-            for measure in self._measures:
-                measure.end()
+            take([measure.end() for measure in self._measures])
 
     def _held(self, level: Level) -> float:
         course = Course.held(level, has_reference=self._has_reference)

@@ -1,10 +1,12 @@
 """Visible flicker: the surface-locked flicker weighted by what the eye, following the surface, is sensitive to."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from metrics.measurement import Context, Measurement, Metric
-from metrics.ratios import Ratios
+from metrics.ratios import Ratios, Values
 from metrics.spans import Span
 from metrics.spectra import Batch
 from metrics.tiles import Level
@@ -41,6 +43,19 @@ def kelly(temporal: NDArray[np.float64], spatial: NDArray[np.float64]) -> NDArra
     velocity = np.divide(temporal, spatial, out=np.ones_like(a), where=seen)
     gain = 6.1 + 7.3 * np.abs(np.log10(velocity / 3)) ** 3
     return np.where(seen, gain * velocity * a**2 * np.exp(-2 * a * (velocity + 2) / 45.9), 0.0)
+
+
+class LevelFound(NamedTuple):
+    """Of the tiles of one size: their weight [n] in whole segments, and there the flicker seen, times the weight.
+
+    bright, lit: mean luminance and weight [n] in all frames.
+    """
+
+    size: int
+    weight: Values
+    seen: Values
+    bright: Values
+    lit: Values
 
 
 class VisibleFlicker:
@@ -90,13 +105,19 @@ class VisibleFlicker:
         self._seen[batch.level][batch.tiles] += 2 * weighed
         self._weight[batch.level][batch.tiles] += batch.weight
 
-    def end(self) -> None:
+    def end(self) -> list[LevelFound]:
         if not self._able:
-            return
-        for index, level in enumerate(self._span.levels):
-            if self._weight[index].any():
-                self._ratios.add(level.size, self._weight[index], {"seen": self._seen[index]})
-            self._light += [self._bright[index].sum(), self._lit[index].sum()]
+            return []
+        return [
+            LevelFound(level.size, *values)
+            for level, *values in zip(self._span.levels, self._weight, self._seen, self._bright, self._lit, strict=True)
+        ]
+
+    def take(self, found: list[LevelFound]) -> None:
+        for size, weight, seen, bright, lit in found:
+            if weight.any():
+                self._ratios.add(size, weight, {"seen": seen})
+            self._light += [bright.sum(), lit.sum()]
 
     def finish(self) -> Measurement:
         found = Measurement()

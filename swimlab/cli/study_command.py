@@ -26,7 +26,8 @@ from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
 from swimlab.runs.files import write_json
 from swimlab.runs.record import REFERENCE, Record, RunError
 from swimlab.runs.scores import merge_scores, refuse_other
-from swimlab.sweep.shots import STORE, Asked, Shots
+from swimlab.sweep.build import STORE
+from swimlab.sweep.shots import Asked, Shots
 
 ROAD = ("road-shift", "road-drive", "road-scale")
 SHEET, SHEET_FRAMES = "contact.png", 3
@@ -57,7 +58,7 @@ def study_command(
     domain:
         Measure linear radiance, or display codes, as the sequence's [display] says (else exposure 1, clamped, sRGB).
     engine:
-        Where builds of shots are measured: in this process, or by dask.distributed, each build on one machine.
+        Where builds of shots are measured: in this process, or by dask.distributed, long builds by parts.
     scheduler:
         Address of a dask scheduler, as tcp://HOST:8786 (default: one of our own, with processes on this machine).
     json_output:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from copy import copy
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from swimlab.footage.convention import Convention
+from swimlab.footage.latest import Latest
 from swimlab.footage.reader import Reader
 from swimlab.footage.readings import other_conventions, other_velocities
 from swimlab.footage.source import Box, Mask
@@ -164,7 +164,7 @@ class EstimatedMotion:
     def __init__(self, picture: Callable[[int], Image]) -> None:
         """picture: index -> [H, W, 3] linear radiance."""
         self._picture = picture
-        self._codes = lru_cache(maxsize=2)(self._grey)
+        self._codes = Latest(self._grey, 2)
 
     def back(self, points: Points, start: int, stop: int) -> Points:
         return points - sample(self.moved(start, stop), points)

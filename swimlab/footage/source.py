@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from metrics.display import Display, Domain
 from swimlab.footage.channels import find_alpha, find_colour, find_parts
 from swimlab.footage.colour import AS_STORED, AUTO, SRGB, decode, quantisation_floor, resolve
+from swimlab.footage.latest import Latest
 from swimlab.footage.reader import LEAVE_OUT, Reader
 from swimlab.runs.frames import FrameError, Image
 
@@ -24,7 +24,17 @@ _OPAQUE = 1 - 0.5 / 255
 
 def least(givers: Sequence[Callable[[int], Image]]) -> Callable[[int], Image] | None:
     """The least of several coverages, each index -> [H, W]; None where there is none."""
-    return (lambda index: np.minimum.reduce([giver(index) for giver in givers])) if givers else None
+    return Least(tuple(givers)) if givers else None
+
+
+@dataclass(frozen=True)
+class Least:
+    """The least of several coverages."""
+
+    givers: tuple[Callable[[int], Image], ...]
+
+    def __call__(self, index: int) -> Image:
+        return np.asarray(np.minimum.reduce([giver(index) for giver in self.givers]))
 
 
 @dataclass(frozen=True)
@@ -85,7 +95,7 @@ class Source:
             raise FrameError(f"{option} {look.colour_space}: {error}") from error
         self._alpha = find_alpha(part, self.channels) if look.alpha not in (None, "ignore") else None
         check_crop(look.crop, reader.header.size, reader.name)
-        self._read = lru_cache(maxsize=2)(self._stored)
+        self._read = Latest(self._stored, 2)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,8 +31,15 @@ PICTURE = "motion_check.png"
 _SAMPLED = 3
 
 
+def _to_nobody(_: str) -> None:
+    """Say nothing."""
+
+
 class Subject:
-    """The opened inputs of a request: which frames are measured, and how they move."""
+    """The opened inputs of a request: which frames are measured, and how they move.
+
+    It can be pickled, for others to measure some of its frames: what was found once is not found again.
+    """
 
     def __init__(
         self,
@@ -119,6 +127,10 @@ class Subject:
             and self.kept == other.kept
             and self.test.shape == other.test.shape
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but whom it speaks to."""
+        return vars(self) | {"_say": _to_nobody, "_warn": _to_nobody}
 
     def clips(self) -> tuple[Clip, Clip | None]:
         """The test and the reference, of the frames that are kept."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -11,6 +10,7 @@ from scipy import ndimage
 
 from metrics.machine import cores
 from swimlab.footage.convention import Convention
+from swimlab.footage.latest import Latest
 from swimlab.footage.reader import Reader
 from swimlab.footage.source import Box, Mask
 from swimlab.runs.frames import FrameError, Image
@@ -49,7 +49,7 @@ class Vectors:
         self._convention = convention
         self._crop = crop
         self._mask = mask
-        self._at = lru_cache(maxsize=4)(self._resampled)
+        self._at = Latest(self._resampled, 4)
 
     @property
     def ratio(self) -> NDArray[np.float32]:

@@ -89,6 +89,10 @@ class VideoReader:
         except ValueError as error:
             raise FrameError(f"{self.name}: {error}; write it upright") from error
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the place at which it is decoded."""
+        return vars(self) | {"_next": 0, "_decoded": iter(())}
+
     def label(self, index: int) -> str:
         return f"{self.name}, frame {self.numbers[index]}"
 

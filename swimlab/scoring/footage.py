@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from metrics import Alignment, ReferenceFrames, align
+from metrics import Alignment, Measurement, ReferenceFrames, align
 from metrics.kernels.launch import Launcher
 from swimlab.footage.colour import AS_STORED, AUTO, SRGB
 from swimlab.footage.request import ESTIMATE
@@ -102,12 +102,23 @@ def measure_build(
         alignment=None if shared is None else shared.alignment,
         domain=request.domain,
         display=request.display,
-        rounding=subject.test.quantisation(subject.sampled(), request.domain, request.display),
+        rounding=rounding_of(subject),
         peers=peers,
         progress=advance,
         threads=threads,
         device=device,
     )
+    return entry_of_build(sequence, name, subject, found)
+
+
+def rounding_of(subject: Subject) -> list[float | None]:
+    """Mean squared errors of rounding some of its frames to stored codes, radiance^2."""
+    return subject.test.quantisation(subject.sampled(), subject.request.domain, subject.request.display)
+
+
+def entry_of_build(sequence: str, name: str, subject: Subject, found: Measurement) -> dict[str, Any]:
+    """The entry of scores.json of a build that is measured."""
+    request = subject.request
     floor = found.scores.get("quantisation.floor")
     if floor is not None:
         text = f"{subject.test.stored_as} codes: quantisation alone makes a flicker of {np.sqrt(floor):.2g} rms"

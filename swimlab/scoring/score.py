@@ -38,6 +38,18 @@ def score_clip(
         threads=threads,
         device=device,
     )
+    return with_others(found, test, reference, rounding=rounding, peers=peers)
+
+
+def with_others(
+    found: Measurement,
+    test: Clip,
+    reference: Clip | ReferenceFrames | None,
+    *,
+    rounding: Sequence[float | None],
+    peers: Sequence[str] = (),
+) -> Measurement:
+    """The scores of `metrics`, and those that it does not know. The rest as for `score_clip`."""
     exact = reference.reference if isinstance(reference, ReferenceFrames) else reference
     found.scores |= all_peer_scores(peers, test, exact)
     found.merge(quantisation(rounding, test.count))

@@ -77,7 +77,7 @@ def time_measures(
 
         with Sweep([_Spectra()], read, pictures=2, memory=memory, threads=threads) as sweep:
             for span in align(test, keep=False).spans:
-                sweep.run(span, lambda _: None)
+                sweep.run(span, lambda _: None, lambda _: None)
 
     scored = partial(measure, threads=threads, memory=memory)
     # What is loaded and touched for the first time is not the measures' time.
@@ -152,7 +152,10 @@ class _Spectra:
         _ = batch.test, batch.error
 
     def end(self) -> None:
-        """Nothing to close."""
+        """Nothing was found."""
+
+    def take(self, found: None) -> None:
+        """Nothing to add."""
 
     def finish(self) -> Measurement:
         return Measurement()

@@ -10,11 +10,12 @@ from swimlab.footage.request import Request
 from swimlab.footage.shot import is_shot, load_shot
 from swimlab.runs.record import RunError
 from swimlab.runs.scores import read_scores
+from swimlab.sweep.build import Build
 from swimlab.sweep.engine import Engine
 from swimlab.sweep.file import Sweep, SweepError, check_lists
 from swimlab.sweep.grid import name_of, points
 from swimlab.sweep.perform import Show
-from swimlab.sweep.shots import Asked, Build, Shots
+from swimlab.sweep.shots import Asked, Shots
 from swimlab.sweep.work import Outcome
 
 OF_RENDERING = ("size", "samples", "chunk")

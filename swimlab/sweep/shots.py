@@ -1,4 +1,4 @@
-"""Shots measured on an engine: a task for each build, whose entry of scores.json is a file, then one a run folder."""
+"""Shots measured on an engine: builds, whose entries of scores.json are files, then a run folder of each shot."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -7,18 +7,14 @@ from typing import Any, NamedTuple
 from swimlab.footage.brought import from_anywhere
 from swimlab.footage.keys import as_keys
 from swimlab.footage.request import Request
-from swimlab.footage.sources import Inputs, check_unchanged, files_of, find_inputs, hash_inputs
-from swimlab.footage.subject import Subject
+from swimlab.footage.sources import Inputs, files_of, find_inputs, hash_inputs
 from swimlab.runs.configuration import UNTOLD
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.brought import inputs_of, measure_brought
-from swimlab.scoring.footage import measure_build
-from swimlab.scoring.kept import keep, keys_of_builds
+from swimlab.scoring.kept import keys_of_builds
+from swimlab.sweep.build import STORE, Build, check_keys, join_build, measure_into, measure_part
 from swimlab.sweep.engine import Engine, Task
 from swimlab.sweep.perform import Show, perform
-
-STORE = ".scores"
-"""Folder of the entries, each named by its key; no shot can be called so."""
 
 
 class Asked(NamedTuple):
@@ -27,25 +23,6 @@ class Asked(NamedTuple):
     name: str
     requests: Mapping[str, Request]
     run: Path
-
-
-class Build(NamedTuple):
-    """A build to measure, all that a worker needs. key: of its scores. inputs: its files."""
-
-    key: str
-    shot: str
-    technique: str
-    request: Request
-    inputs: Inputs
-
-    @property
-    def frames(self) -> tuple[int, ...]:
-        """A place for each of its files."""
-        return tuple(range(len(self.inputs[self.technique]["files"])))
-
-    def path(self, out: Path) -> Path:
-        """File of its entry; it is there when the build is measured."""
-        return out / STORE / f"{self.key}.json"
 
 
 class Shots:
@@ -72,13 +49,29 @@ class Shots:
     def measure(
         self, builds: Sequence[Build], out: Path, engine: Engine, *, threads: int | None, show: Show
     ) -> dict[Path, str]:
-        """Measure the missing ones of some builds; the failures by file."""
-        tasks = [
-            Task(build.key, f"{build.shot}, {build.technique}", measure_into, (build, out, threads))
-            for build in builds
-            if not build.path(out).is_file()
+        """Measure the missing ones of some builds, long ones by parts; the failures by file."""
+        missing = [build for build in builds if not build.path(out).is_file()]
+        opened = [
+            Task(build.key, build.label, measure_into, (build, out, threads))
+            for build in missing
+            if not build.plan_path(out).is_file()
         ]
-        return _in_keys(perform(tasks, out, engine, what="measuring builds", show=show))
+        failures = perform(opened, out, engine, what="measuring builds", show=show)
+        long = [(build, parts) for build in missing if (parts := build.parts(out))]
+        looked_at = [
+            Task(part.key, part.label, measure_part, (part, out, threads))
+            for _, some in long
+            for part in some
+            if not part.path(out).is_file()
+        ]
+        failures |= perform(looked_at, out, engine, what="measuring parts of builds", show=show)
+        joined = [
+            Task(build.key, build.label, join_build, (build, out))
+            for build, some in long
+            if all(part.path(out).is_file() for part in some)
+        ]
+        failures |= perform(joined, out, engine, what="joining parts of builds", show=show)
+        return _in_keys(failures)
 
     def write(self, out: Path, engine: Engine, *, command: str, show: Show) -> dict[Path, str]:
         """Write the run folders of the shots all of whose builds are measured; the failures by file."""
@@ -108,32 +101,10 @@ def _writing(asked: Asked) -> str:
     return f"run-{asked.name}"
 
 
-def measure_into(build: Build, out: Path, threads: int | None) -> None:
-    """Measure a build and write its entry beneath `out`; nothing where it is there.
-
-    Raises RunError where this machine would make another key, and all that measuring raises.
-    """
-    _check_keys({build.technique: build.request}, build.inputs, {build.technique: build.key})
-    if build.path(out).is_file():
-        return
-    subject = Subject(build.request, lambda _: None, lambda _: None)
-    entry = measure_build(build.shot, build.technique, subject, threads=threads)
-    check_unchanged(build.inputs, when="while it was measured")
-    keep(out / STORE, build.key, entry)
-
-
 def write_run(asked: Asked, out: Path, inputs: Inputs, keys: Mapping[str, str], command: str) -> None:
     """Write a shot's run folder of the entries of its builds. Raises as `measure_into` and `measure_brought` do."""
-    _check_keys(asked.requests, inputs, keys)
+    check_keys(asked.requests, inputs, keys)
     measure_brought(asked.requests, asked.run, sequence=asked.name, command=command, store=out / STORE, known=inputs)
-
-
-def _check_keys(requests: Mapping[str, Request], inputs: Inputs, keys: Mapping[str, str]) -> None:
-    if keys_of_builds(requests, inputs, device="cpu") != keys:
-        raise RunError(
-            "this machine measures by another version of swimlab, or of what it stands on, or by another $OCIO; "
-            "install, and set, the same"
-        )
 
 
 def _in_keys(failures: Mapping[Path, str]) -> dict[Path, str]:

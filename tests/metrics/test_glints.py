@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metrics import Clip, measure
-from metrics.glints import SHARE, Glints
+from metrics.glints import SHARE, Glints, count
 from metrics.kernels.launch import Launcher
 
 SIZE, COUNT = 96, 4
@@ -19,7 +19,7 @@ def test_the_largest_errors_are_those_of_a_sorted_list(tolerance):
     glints = Glints()
     with Launcher() as launcher:
         for frame, *masks in zip(error, covered, reached, strict=True):
-            glints.add(np.stack([frame] * 3), *masks, launcher)
+            glints.take(count(np.stack([frame] * 3), *masks, launcher))
     for name, where in (("budget.mse", reached), ("frame.mse", covered)):
         squared = np.sort(error[where].astype(np.float64) ** 2)[::-1]
         exact = squared[: round(SHARE * len(squared))].sum()

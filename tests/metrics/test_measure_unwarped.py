@@ -10,7 +10,7 @@ from metrics import Clip, align, measure
 from metrics.correspondence import Correspondence
 from metrics.geometry import Geometry
 from metrics.kernels.launch import Launcher
-from metrics.spans import uniform_steps
+from metrics.plan import uniform_steps
 from metrics.synthetic import Rotation, centres
 
 FRAMES, SIZE = 24, 150

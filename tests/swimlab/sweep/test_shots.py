@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 from distributed import LocalCluster
 from small_shot import SHOT, write_shot
+from turning_shot import write_turning_shot
 
 from swimlab.footage.shot import load_shot
 from swimlab.runs.record import RunError
-from swimlab.sweep import engine, shots
+from swimlab.sweep import build, engine, shots
 from swimlab.sweep.engine import ANY_PORT
 
 SWEEP = """
@@ -40,13 +41,13 @@ def home(tmp_path):
 def measured(monkeypatch):
     """The builds that are measured from now on."""
     names = []
-    real = shots.measure_build
+    real = build.measure_build
 
-    def note(shot, build, *rest, **options):
-        names.append((shot, build))
-        return real(shot, build, *rest, **options)
+    def note(shot, name, *rest, **options):
+        names.append((shot, name))
+        return real(shot, name, *rest, **options)
 
-    monkeypatch.setattr(shots, "measure_build", note)
+    monkeypatch.setattr(build, "measure_build", note)
     return names
 
 
@@ -78,7 +79,7 @@ def test_builds_on_an_engine_score_as_in_this_process(swimlab, home, measured, h
     assert swimlab(*words, home / "plain")[0] == 0
     code, _, err = swimlab(*words, home / "engine", "--engine", "dask")
     assert code == 0, err
-    assert [build for _, build in measured] == ["one", "two"]  # of two shots of the same frames
+    assert [name for _, name in measured] == ["one", "two"]  # of two shots of the same frames
     plain, other = (scores(home / name / "scores.json") for name in ("plain", "engine"))
     assert other == plain
     assert not list((home / "engine").glob(".scores/*"))
@@ -107,7 +108,7 @@ def test_a_sweep_of_builds_by_settings_measures_each_look_once(swimlab, home, me
     words = ("sweep", home / "sweep.toml", "-o", home / "out", "-q")
     code, out, err = swimlab(*words)
     assert code == 0, err
-    assert [build for _, build in measured] == ["one", "two", "two"]
+    assert [name for _, name in measured] == ["one", "two", "two"]
     found = scores(home / "out" / "scores.json")
     assert len(found) == 4
     linear, srgb = "corridor_two.colorspace-linear", "corridor_two.colorspace-srgb"
@@ -134,16 +135,16 @@ def test_a_second_sweep_measures_frames_that_changed(swimlab, home, measured):
 
 def test_a_worker_that_would_make_another_key_refuses(home, monkeypatch):
     request = load_shot(home / "corridor.toml").requests(home, None)
-    (build, _) = shots.Shots([shots.Asked("corridor", request, home / "run")]).builds.values()
+    (one, _) = shots.Shots([shots.Asked("corridor", request, home / "run")]).builds.values()
     monkeypatch.setenv("OCIO", "ocio://default")
     with pytest.raises(RunError, match=r"another \$OCIO"):
-        shots.measure_into(build, home / "out", 1)
+        build.measure_into(one, home / "out", 1)
 
 
 def test_shares_of_a_sweep_of_shots_are_done_apart(swimlab, home, measured):
     words = ("sweep", home / "sweep.toml", "-o", home / "out", "-q")
     assert swimlab(*words, "--only", "2/3")[0] == 0
-    assert [build for _, build in measured] == ["two"]
+    assert [name for _, name in measured] == ["two"]
     code, out, _ = swimlab(*words, "--dry-run", "--json")
     assert code == 0
     rows = {row["technique"]: (row["chunks"], row["done"]) for row in json.loads(out)["work"]}
@@ -170,24 +171,28 @@ def test_a_mistaken_sweep_of_shots_is_told(swimlab, home, change, said):
     assert (code, said in err) == (2, True), err
 
 
-def kill_at_first_entry(out, process, killed, finished):
-    """Kill a process when the first build is measured."""
+def kill_at_first(pattern, out, process, killed, finished):
+    """Kill a process when there is a file of a pattern."""
     while not finished.is_set():
-        if list(out.glob(".scores/*.json")):
+        if list(out.glob(pattern)):
             os.kill(process, signal.SIGKILL)
             killed.append(process)
             return
         time.sleep(0.002)
 
 
-def test_a_killed_worker_loses_nothing(swimlab, home):
-    """One of two processes of a cluster is killed between two builds: scores are those of one process."""
-    words = ("study", home / "corridor.toml", "-q", "-o")
+@pytest.mark.parametrize("pattern", [".scores/*.json", ".scores/*.part"], ids=["between builds", "between parts"])
+def test_a_killed_worker_loses_nothing(swimlab, home, pattern):
+    """One of two processes of a cluster is killed: scores are those of one process."""
+    shot = home / "corridor.toml"
+    if pattern.endswith(".part"):
+        shot = write_turning_shot(home / "long", count=132, cut=66, side=48)
+    words = ("study", shot, "-q", "-o")
     assert swimlab(*words, home / "plain")[0] == 0
     killed, finished = [], threading.Event()
     with LocalCluster(n_workers=2, threads_per_worker=1, memory_limit=0, dashboard_address=ANY_PORT) as cluster:
         process = next(iter(cluster.workers.values())).pid
-        killer = threading.Thread(target=kill_at_first_entry, args=(home / "engine", process, killed, finished))
+        killer = threading.Thread(target=kill_at_first, args=(pattern, home / "engine", process, killed, finished))
         killer.start()
         at = ("--engine", "dask", "--scheduler", cluster.scheduler_address)
         code, _, err = swimlab(*words, home / "engine", *at)
