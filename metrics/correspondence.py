@@ -66,10 +66,14 @@ class Correspondence:
         self.left_in = whole_octaves(np.array([mean_left(away[usable], table()) for away in self._sampled]))
         self._sampled.clear()
         if holds:
-            self._held = [*islice(self.places(slice(0, height)), self._middle - start + 1), *later]
+            until_middle = islice(self.places(slice(0, height)), self._middle - start + 1)
+            self._held = [*(np.array(away) for away in until_middle), *later]
 
     def places(self, rows: slice) -> Iterator[Field]:
-        """Frame by frame how far from each pixel of these rows of the middle frame its surface is, [rows, W, 2] px."""
+        """Frame by frame how far from each pixel of these rows of the middle frame its surface is, [rows, W, 2] px.
+
+        Each stands until the next is asked for.
+        """
         if self._held:
             yield from (away[rows] for away in self._held)
             return
@@ -81,7 +85,7 @@ class Correspondence:
             if t == self._middle:
                 away.zero_()
                 moved.zero_()
-            yield np.array(away.numpy())
+            yield np.asarray(away.numpy())
 
     def take(self, picture: NDArray[Any], away: Field, rows: slice) -> NDArray[np.float32]:
         """Rows of a picture [channels, H, W] as seen from the middle frame: taken `away`, 0 where not usable."""

@@ -41,8 +41,8 @@ class Surface:
         return masks + (0 if self.uniform else self.motion.nbytes)
 
 
-FEWEST = 3
-"""Surfaces that are held whatever the room: a frame's, and those of the frames next to it."""
+FEWEST = 2
+"""Surfaces that are held whatever the room: a frame's, and that of the frame before or after it."""
 
 
 class Geometry:

@@ -19,7 +19,7 @@ from metrics.correspondence import claims
 from metrics.geometry import Field, Geometry, Mask, Surface
 from metrics.glints import Counted, count
 from metrics.kernels.launch import Launcher
-from metrics.kernels.pairs import COLUMNS, columns, compare_pairs, mark_landed, own_places, sum_blocks
+from metrics.kernels.pairs import COLUMNS, columns, mark_landed, own_places, sum_blocks
 from metrics.kernels.pattern import pattern_at
 from metrics.spans import Placement, Span
 from metrics.synthetic import texture
@@ -72,13 +72,10 @@ class Pixels:
         reached = reached_pixels(place or next(self._places), self.launcher) & surface.covered
         error = self._error(error)
         owner = None
-        if self._last is None or t in self.geometry.clip.cuts:
-            pairs = self.launcher.zeros(reached.shape, wp.vec4)
-        else:
+        if self._last is not None and t not in self.geometry.clip.cuts:
             owner = shown_before(surface, self.geometry.surface(t - 1), self.launcher)
-            pairs = self._compare(error, self._last, surface, owner, reached)
+        sums = self._sum(surface, reached, error, self._last, owner)
         self._last = error
-        sums = self._sum(surface.covered, reached, pairs, error)
         covered = np.sum([sums[name] for name in CLASSES], axis=0)
         cells = {f"{name} pixels": sums[name] for name in CLASSES} | {"covered pixels": covered}
         row: dict[str, Any] = {"frame": t}
@@ -106,34 +103,25 @@ class Pixels:
     def _floor(self, surface: Surface, reached: Mask, owner: Any) -> Cells:
         """Pairs of a pattern that is glued to the surface by the motion."""
         waves = texture(0, **_PATTERN)  # type: ignore[arg-type]
-        rest = np.zeros_like(surface.motion)
-        here, before = (
-            np.stack([pattern_at(self.launcher, waves.frequency, waves.phase + c, away) for c in range(3)])
-            for away in (-surface.motion, rest)
-        )
-        pairs = self._compare(here, before, surface, owner, reached)
-        sums = self._sum(surface.covered, reached, pairs, here)
+        here, before = np.empty((2, 3, *reached.shape), np.float32)
+        for pattern, moved in ((here, -1), (before, 0)):
+            away = moved * surface.motion
+            for channel in range(3):
+                pattern[channel] = pattern_at(self.launcher, waves.frequency, waves.phase + channel, away)
+        sums = self._sum(surface, reached, here, before, owner)
         return {"glued flicker": pair_flicker(sums), "glued energy": sums["energy"]}
 
-    def _compare(self, frame: Image, before: Image, surface: Surface, owner: Any, reached: Mask) -> Any:
-        """What `compare_pairs` finds of the pixels that tiles do not reach."""
-        launcher, height = self.launcher, len(reached)
-        skipped = reached | ~surface.covered
-        found = launcher.empty(reached.shape, wp.vec4)
-        pictures = [launcher.view(each, wp.float32) for each in (frame, before)]
-        fields = [launcher.view(surface.motion, wp.vec2), owner, ALIKE]
-        masks = [launcher.view(skipped.view(np.uint8), wp.uint8), found]
-        launcher.over(height, compare_pairs, (), [*pictures, *fields, *masks])
-        return found
-
-    def _sum(self, covered: Mask, reached: Mask, pairs: Any, error: Image) -> Cells:
-        """Sums of every cell of the map, [rows, columns]."""
+    def _sum(self, surface: Surface, reached: Mask, frame: Image, before: Image | None, owner: Any) -> Cells:
+        """Sums of every cell of the map, [rows, columns]. owner: from `shown_before`; None: no frame is before."""
         launcher, cell = self.launcher, cell_of(self.geometry.shape)
-        down, right = (-(-length // cell) for length in covered.shape)
+        down, right = (-(-length // cell) for length in reached.shape)
         sums = launcher.empty((down, right), columns)
-        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (covered, reached)]
-        inputs = [cell, *masks, pairs, launcher.view(error, wp.float32), sums]
-        launcher.each(range(down), lambda row: launcher.launch(sum_blocks, (1, right), [row, *inputs]))
+        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (surface.covered, reached)]
+        here, motion = launcher.view(frame, wp.float32), launcher.view(surface.motion, wp.vec2)
+        pair = [False, here, motion, motion]
+        if owner is not None and before is not None:
+            pair = [True, launcher.view(before, wp.float32), motion, owner]
+        launcher.over(down, sum_blocks, (right,), [cell, *masks, here, *pair, ALIKE, sums], strip=1)
         return dict(zip(COLUMNS, np.moveaxis(sums.numpy(), 2, 0), strict=True))
 
 

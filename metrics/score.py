@@ -18,7 +18,7 @@ from metrics.spectra import Pictures
 from metrics.sweep import Sweep
 from metrics.totals import Found, PartFound, SpanFound, Totals, every_pixel
 
-MEMORY, MEMORY_PER_PIXEL = 1.2e9, 290.0
+MEMORY, MEMORY_PER_PIXEL = 1.2e9, 330.0
 """Bytes that measuring may take, if nothing else is said, and for each pixel of a large frame."""
 
 Progress = Callable[[int, int], None]
@@ -140,7 +140,8 @@ class Measuring:
 
     @property
     def _room(self) -> float:
-        return self._memory / 4
+        """Bytes that motion and coverage may take: no more for large frames, of which a span's would not fit anyway."""
+        return min(self._memory, MEMORY) / 4
 
     def _launcher(self) -> Launcher:
         return Launcher(threads=self._threads, device=self._device)
@@ -175,17 +176,21 @@ class Measuring:
             picture, t, span = self._shown(place.t), place.t, place.span
             found = None if exact is None else exact.exact(t)
             off = None if found is None else picture - found[0]
+            # What is not needed any more goes: large frames are most of the memory.
+            picture = place.align(picture)
+            if exact is None or found is None or off is None:
+                aligned = Pictures(picture)
+            elif place.away is None:
+                half, found = found[1], None
+                aligned = Pictures(picture, place.align(off), None if half is None else place.align(half))
+            else:
+                # Unwarping is linear, and most of the work: the difference is taken after it.
+                found = exact.aligned(place, found)
+                aligned = Pictures(picture, picture - found[0], found[1])
+                found = None
             if whole and span.part == 0:
                 take(pixels.look(t, off, place if span.rows == slice(0, span.shape[0]) else None))
-            seen = place.align(picture)
-            if exact is None or found is None or off is None:
-                return Pictures(seen)
-            if place.away is None:
-                half = found[1]
-                return Pictures(seen, place.align(off), None if half is None else place.align(half))
-            # Unwarping is linear, and most of the work: the difference is taken after it.
-            reference, half = exact.aligned(place, found)
-            return Pictures(seen, seen - reference, half)
+            return aligned
 
         def advance(done: int) -> None:
             if progress is not None:

@@ -24,6 +24,10 @@ class Pictures:
     error: Picture | None = None
     half_difference: Picture | None = None
 
+    def followed(self) -> "Pictures":
+        """What the next frame is compared with alone: the error, or without a reference the test."""
+        return Pictures(self.test) if self.error is None else Pictures(self.error, self.error)
+
 
 class Followed(NamedTuple):
     """Energies of a batch's tiles in one frame by octave, each [n, octaves].
@@ -39,29 +43,29 @@ class Followed(NamedTuple):
 
 
 class Course:
-    """How the spectra of a part's tiles go on in time: their last values and running means."""
+    """How the spectra of a part's tiles go on in time: their running means."""
 
     def __init__(self, span: Span, *, has_reference: bool) -> None:
         self._start = span.start
-        number = 3 if has_reference else 2
+        number = 2 if has_reference else 1
         shapes = [(number, level.count, 3, *level.spectrum_shape) for level in span.levels]
-        self._states = [np.zeros(shape, dtype=np.complex64) for shape in shapes]
+        self._means = [np.zeros(shape, dtype=np.complex64) for shape in shapes]
 
     @staticmethod
     def held(level: Level, *, has_reference: bool) -> float:
         """Bytes held for the tiles of a level."""
-        return (3 if has_reference else 2) * level.held
+        return (2 if has_reference else 1) * level.held
 
     def follow(self, batch: "Batch") -> Followed:
         """Take in the next frame's spectra of the batch's tiles."""
         seen = batch.frame - self._start + 1
-        last, *means = (state[batch.tiles] for state in self._states[batch.level])
+        means = [mean[batch.tiles] for mean in self._means[batch.level]]
+        before = batch if batch.before is None else batch.before
         new = 0.0 if seen == 1 else (seen - 1) / seen
-        if batch.error is None:
-            energy, change, varied = follow(batch.test, last, means[0], 1 / seen)
+        if batch.error is None or before.error is None:
+            energy, change, varied = follow(batch.test, before.test, means[0], 1 / seen)
             return Followed(energy, change, {"test": new * varied})
-        both = follow_both(batch.error, last, means[0], batch.test, means[1], 1 / seen)
-        energy, change, *varied = both
+        energy, change, *varied = follow_both(batch.error, before.error, means[0], batch.test, means[1], 1 / seen)
         names = ("error", "test", "reference")
         return Followed(energy, change, {name: new * each for name, each in zip(names, varied, strict=True)})
 
@@ -70,7 +74,8 @@ class Course:
 class Batch:
     """Some tiles of one level in one frame.
 
-    piece: which of the span's pieces. tiles: which of the level's tiles. What no measure asks for is not made.
+    piece: which of the span's pieces. tiles: which of the level's tiles. before: the same tiles in the frame before;
+    None in the first. What no measure asks for is not made.
     """
 
     frame: int
@@ -80,6 +85,7 @@ class Batch:
     pictures: Pictures
     transform: TileTransform
     course: Course = field(repr=False)
+    before: "Batch | None" = field(default=None, repr=False)
 
     @property
     def weight(self) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from types import TracebackType
-from typing import Any
+from typing import Any, NamedTuple
 
 from metrics.machine import cores
 from metrics.measurement import Measure
@@ -25,11 +25,26 @@ _FRAMES = 0.1
 _READING = 60.0
 _UNWARPING = 120.0
 
+# Bytes a pixel of the last frame of a chunk, which the next one follows.
+_FOLLOWED = 12.0
+
 # Share of the memory that spectra and places may take at least: less would have frames read too often.
 _LEAST = 0.15
 
 Read = Callable[[Placement], Pictures]
-Ready = tuple[int, Pictures, list[TileTransform]]
+
+
+class Ready(NamedTuple):
+    """Frame t, aligned, and what its tiles of every level are transformed with."""
+
+    t: int
+    pictures: Pictures
+    transforms: list[TileTransform]
+
+    def batch(self, course: Course, number: int, piece: Piece, before: Batch | None) -> Batch:
+        """A piece of its tiles, and the same of the frame before."""
+        transform = self.transforms[piece.level]
+        return Batch(self.t, piece.level, number, piece.tiles, self.pictures, transform, course, before)
 
 
 class Sweep:
@@ -58,7 +73,8 @@ class Sweep:
         frame = self._frame * height * width
         chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
         making = _READING if span.correspondence is None else _UNWARPING
-        room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - making * height * width)
+        last = _FOLLOWED * height * width
+        room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - last - making * height * width)
         some = deque(parts(span, self._held, room))
         total = len(some)
         for number in range(total):
@@ -79,20 +95,23 @@ class Sweep:
         """Feed a part of a span; yields how many of its frames are done."""
         course, placements = Course(part, has_reference=self._has_reference), part.placements()
         upcoming = [self._ready(place) for place in islice(placements, chunk)]
+        last = None
         while upcoming:
             current = upcoming
-            jobs = [self._pool.submit(self._follow, current, course, *piece) for piece in enumerate(pieces(part))]
+            jobs = [self._pool.submit(self._follow, current, last, course, *each) for each in enumerate(pieces(part))]
             upcoming = [self._ready(place) for place in islice(placements, chunk)]
             for job in jobs:
                 job.result()
-            yield from (t + 1 - part.start for t, *_ in current)
+            yield from (ready.t + 1 - part.start for ready in current)
+            last = current[-1]._replace(pictures=current[-1].pictures.followed())
 
     def _ready(self, place: Placement) -> Ready:
-        return place.t, self._read(place), transforms(place.span, place.t)
+        return Ready(place.t, self._read(place), transforms(place.span, place.t))
 
-    def _follow(self, frames: Sequence[Ready], course: Course, number: int, piece: Piece) -> None:
-        """Feed a piece of tiles frame by frame."""
-        for t, pictures, transform in frames:
-            batch = Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level], course)
+    def _follow(self, frames: Sequence[Ready], last: Ready | None, course: Course, number: int, piece: Piece) -> None:
+        """Feed a piece of tiles frame by frame. last: the frame before the first."""
+        before = None if last is None else last.batch(course, number, piece, None)
+        for ready in frames:
+            before = ready.batch(course, number, piece, before)
             for measure in self._measures:
-                measure.add(batch)
+                measure.add(before)

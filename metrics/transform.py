@@ -124,24 +124,24 @@ def octave_energy(spectra: Spectrum) -> Energy:
     return found[:, 0]
 
 
-def follow(spectra: Spectrum, last: Spectrum, mean: Spectrum, share: float) -> Energy:
-    """Energies of spectra [n, channels, L, L/2 + 1], of their step from their last values, and from their mean.
+def follow(spectra: Spectrum, before: Spectrum, mean: Spectrum, share: float) -> Energy:
+    """Energies of spectra [n, channels, L, L/2 + 1], of their step from those before, and from their mean.
 
-    Returns them by octave of |k|, [3, n, octaves]. In place, the last values become the spectra, and the mean goes a
-    share of the way to them; at 1 it becomes them.
+    Returns them by octave of |k|, [3, n, octaves]. In place, the mean goes a share of the way to the spectra; at 1 it
+    becomes them.
     """
     found = np.empty((len(spectra), 3, len(OCTAVES)))
-    inputs = [*map(_flat, (spectra, last, mean)), share, _octaves(spectra.shape[-2]), found]
+    inputs = [*map(_flat, (spectra, before, mean)), share, _octaves(spectra.shape[-2]), found]
     on_cpu(following_energies(), len(spectra), inputs)
     return found.swapaxes(0, 1)
 
 
 def follow_both(
-    spectra: Spectrum, last: Spectrum, mean: Spectrum, other: Spectrum, other_mean: Spectrum, share: float
+    spectra: Spectrum, before: Spectrum, mean: Spectrum, other: Spectrum, other_mean: Spectrum, share: float
 ) -> Energy:
     """The same, and of the step of other spectra from their mean, and of the difference from its: [5, n, octaves]."""
     found = np.empty((len(spectra), 5, len(OCTAVES)))
-    inputs = [*map(_flat, (spectra, last, mean, other, other_mean)), share, _octaves(spectra.shape[-2]), found]
+    inputs = [*map(_flat, (spectra, before, mean, other, other_mean)), share, _octaves(spectra.shape[-2]), found]
     on_cpu(following_energies_of_both(), len(spectra), inputs)
     return found.swapaxes(0, 1)
 

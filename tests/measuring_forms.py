@@ -203,24 +203,24 @@ def summed(launcher, shoot, add, width):
 
 
 def followed(launcher, shoot, follow, width):
-    """States that go a part of the way, and all of it."""
+    """A mean that goes a part of the way, and all of it."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
         energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), spectra, last, mean, share, octaves, energies)
+        follow(wp.tid(), spectra, before, mean, share, octaves, energies)
 
     spectra, octaves = spectra_and_octaves()
     for share in (0.3, 1.0):
-        last, mean, energies = 0.7 * spectra, np.full_like(spectra, 0.5), np.zeros((3, 3, 6))
-        launcher.launch(kernel, 3, [spectra, last, mean, share, octaves, energies])
-        yield from (last, mean, energies)
+        mean, energies = np.full_like(spectra, 0.5), np.zeros((3, 3, 6))
+        launcher.launch(kernel, 3, [spectra, 0.7 * spectra, mean, share, octaves, energies])
+        yield from (mean, energies)
 
 
 def followed_both(launcher, shoot, follow, width):
@@ -229,7 +229,7 @@ def followed_both(launcher, shoot, follow, width):
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         other: wp.array3d(dtype=wp.float32),
         other_mean: wp.array3d(dtype=wp.float32),
@@ -237,14 +237,14 @@ def followed_both(launcher, shoot, follow, width):
         octaves: wp.array(dtype=wp.int32),
         energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), spectra, last, mean, other, other_mean, share, octaves, energies)
+        follow(wp.tid(), spectra, before, mean, other, other_mean, share, octaves, energies)
 
     spectra, octaves = spectra_and_octaves()
     for share in (0.3, 1.0):
-        states, energies = [factor * spectra for factor in (0.7, 0.9)], np.zeros((3, 5, 6))
-        other, other_mean = 1 - spectra, spectra[::-1].copy()
-        launcher.launch(kernel, 3, [spectra, *states, other, other_mean, share, octaves, energies])
-        yield from (*states, other_mean, energies)
+        mean, other_mean, energies = 0.9 * spectra, spectra[::-1].copy(), np.zeros((3, 5, 6))
+        inputs = [spectra, 0.7 * spectra, mean, 1 - spectra, other_mean, share, octaves, energies]
+        launcher.launch(kernel, 3, inputs)
+        yield from (mean, other_mean, energies)
 
 
 def by_strip(launcher, shoot, add, width):
@@ -274,8 +274,8 @@ RUNS = {
     ("row", "across", "along", "frequency", "amplitude", "away", "values"): waves,
     ("index", "picture", "corners", "window", "levelling", "phase", "spectra", "mean"): transformed,
     ("tile", "spectra", "octaves", "energies"): summed,
-    ("tile", "spectra", "last", "mean", "share", "octaves", "energies"): followed,
-    ("tile", "spectra", "last", "mean", "other", "other_mean", "share", "octaves", "energies"): followed_both,
+    ("tile", "spectra", "before", "mean", "share", "octaves", "energies"): followed,
+    ("tile", "spectra", "before", "mean", "other", "other_mean", "share", "octaves", "energies"): followed_both,
     ("strip", "test", "error", "strips", "power"): by_strip,
 }
 """Parameters of a form -> what runs it."""

@@ -14,7 +14,7 @@ from metrics.octaves import OCTAVES
 wp.set_module_options({"enable_backward": False})
 
 ENERGY, CHANGE, VARIED = range(3)
-"""What is summed of spectra that are followed: their energy, that of the step since the last frame, and that of the
+"""What is summed of spectra that are followed: their energy, that of the step since the frame before, and that of the
 step from their mean so far."""
 
 OTHER, DIFFERENCE = 3, 4
@@ -52,10 +52,9 @@ _CODE = """
         }
 """
 
-_ROWS = "float *const held = rows(last), *const middle = rows(mean);"
+_ROWS = "float *const earlier = rows(before), *const middle = rows(mean);"
 _FOLLOW = """
-            const lanes step = value - load(held + at), so_far = load(middle + at), away = value - so_far;
-            store(held + at, value);
+            const lanes step = value - load(earlier + at), so_far = load(middle + at), away = value - so_far;
             store(middle + at, share == 1.0f ? value : so_far + share*away);
             squares[1] += step*step;
             squares[2] += away*away;
@@ -110,15 +109,15 @@ def octave_sums() -> Twins:
 def following() -> Twins:
     """The function that sums ENERGY, CHANGE and VARIED of a tile's spectra, [n, 3, octaves].
 
-    Their last values become them, and their mean moves by a share of the way to them, all of it at 1: both [n,
-    channels, parts].
+    before: what they were in the frame before. Their mean moves by a share of the way to them, all of it at 1. All
+    three are [n, channels, parts].
     """
 
     @wp.func(module="unique")
     def follow(
         tile: wp.int32,
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
@@ -132,9 +131,8 @@ def following() -> Twins:
                 value = spectra[tile, channel, part]
                 so_far = mean[tile, channel, part]
                 energies[tile, ENERGY, octaves[part]] += square(value)
-                energies[tile, CHANGE, octaves[part]] += square(value - last[tile, channel, part])
+                energies[tile, CHANGE, octaves[part]] += square(value - before[tile, channel, part])
                 energies[tile, VARIED, octaves[part]] += square(value - so_far)
-                last[tile, channel, part] = value
                 mean[tile, channel, part] = wp.where(share == 1.0, value, so_far + share * (value - so_far))
 
     return Twins(follow, _code(_ROWS, _FOLLOW, 3))
@@ -148,7 +146,7 @@ def following_both() -> Twins:
     def follow(
         tile: wp.int32,
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         other: wp.array3d(dtype=wp.float32),
         other_mean: wp.array3d(dtype=wp.float32),
@@ -166,11 +164,10 @@ def following_both() -> Twins:
                 shows = other[tile, channel, part]
                 other_so_far = other_mean[tile, channel, part]
                 energies[tile, ENERGY, octaves[part]] += square(value)
-                energies[tile, CHANGE, octaves[part]] += square(value - last[tile, channel, part])
+                energies[tile, CHANGE, octaves[part]] += square(value - before[tile, channel, part])
                 energies[tile, VARIED, octaves[part]] += square(value - so_far)
                 energies[tile, OTHER, octaves[part]] += square(shows - other_so_far)
                 energies[tile, DIFFERENCE, octaves[part]] += square(shows - other_so_far - (value - so_far))
-                last[tile, channel, part] = value
                 mean[tile, channel, part] = wp.where(share == 1.0, value, so_far + share * (value - so_far))
                 moved = other_so_far + share * (shows - other_so_far)
                 other_mean[tile, channel, part] = wp.where(share == 1.0, shows, moved)
@@ -261,13 +258,13 @@ def following_energies() -> wp.Kernel:
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         share: wp.float32,
         octaves: wp.array(dtype=wp.int32),
         energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), spectra, last, mean, share, octaves, energies)
+        follow(wp.tid(), spectra, before, mean, share, octaves, energies)
 
     return kernel
 
@@ -280,7 +277,7 @@ def following_energies_of_both() -> wp.Kernel:
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         spectra: wp.array3d(dtype=wp.float32),
-        last: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
         mean: wp.array3d(dtype=wp.float32),
         other: wp.array3d(dtype=wp.float32),
         other_mean: wp.array3d(dtype=wp.float32),
@@ -288,7 +285,7 @@ def following_energies_of_both() -> wp.Kernel:
         octaves: wp.array(dtype=wp.int32),
         energies: wp.array3d(dtype=wp.float64),
     ):
-        follow(wp.tid(), spectra, last, mean, other, other_mean, share, octaves, energies)
+        follow(wp.tid(), spectra, before, mean, other, other_mean, share, octaves, energies)
 
     return kernel
 

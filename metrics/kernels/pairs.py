@@ -5,8 +5,8 @@ import warp as wp
 wp.set_module_options({"enable_backward": False})
 
 COLUMNS = ("measured", "edges", "new", "squared", "edges squared", "new squared", "difference", "smooth", "energy")
-"""What `sum_blocks` sums: pixels of each class, squared errors of all covered ones and of two classes, and what
-`compare_pairs` found of edges."""
+"""What `sum_blocks` sums: pixels of each class, squared errors of all covered ones and of two classes, and of pairs
+at edges the squared difference, and the squared value in the frame before, interpolated and not."""
 
 columns = wp.types.vector(length=len(COLUMNS), dtype=wp.float64)
 
@@ -65,7 +65,9 @@ def pair_of(
     row: wp.int32,
     column: wp.int32,
 ) -> wp.vec4:
-    """What `compare_pairs` finds of a pixel that moved so far since the frame before."""
+    """1 if the frame before shows the surface of a pixel that moved so far since, else 0; their squared difference;
+    the squared value there, interpolated and not. Squares are means over channels.
+    """
     x = wp.float32(column) - moved[0]
     y = wp.float32(row) - moved[1]
     left = wp.int32(wp.floor(x)) - 1
@@ -105,40 +107,25 @@ def pair_of(
 
 
 @wp.kernel
-def compare_pairs(
-    first: wp.int32,
-    frame: wp.array3d(dtype=wp.float32),
-    before: wp.array3d(dtype=wp.float32),
-    motion: wp.array2d(dtype=wp.vec2),
-    owner: wp.array2d(dtype=wp.vec2),
-    alike: wp.float32,
-    skipped: wp.array2d(dtype=wp.uint8),
-    found: wp.array2d(dtype=wp.vec4),
-):
-    """found: 1 where the frame before shows the pixel's surface, else 0; squared difference; squared value there,
-    interpolated and not. Squares are means over channels. What is skipped is left as it is.
-
-    frame, before: [3, H, W]. motion: of the frame's pixels, px since the frame before. owner: motion of what each pixel
-    of the frame before shows, NaN where it is unknown; a pixel is of the same surface if its motion is within `alike`
-    px. A thread takes a row.
-    """
-    row = first + wp.tid()
-    for column in range(motion.shape[1]):
-        if skipped[row, column] == wp.uint8(0):
-            found[row, column] = pair_of(frame, before, motion[row, column], owner, alike, row, column)
-
-
-@wp.kernel
 def sum_blocks(
     first: wp.int32,
     size: wp.int32,
     covered: wp.array2d(dtype=wp.uint8),
     reached: wp.array2d(dtype=wp.uint8),
-    pairs: wp.array2d(dtype=wp.vec4),
-    error: wp.array3d(dtype=wp.float32),
+    frame: wp.array3d(dtype=wp.float32),
+    paired: wp.bool,
+    before: wp.array3d(dtype=wp.float32),
+    motion: wp.array2d(dtype=wp.vec2),
+    owner: wp.array2d(dtype=wp.vec2),
+    alike: wp.float32,
     sums: wp.array2d(dtype=columns),
 ):
-    """sums: of each block of size x size pixels, one a thread, the COLUMNS."""
+    """sums: of each block of size x size pixels, one a thread, the COLUMNS.
+
+    frame, before: errors [3, H, W]. paired: whether there is a frame before; the rest is looked at only then. motion:
+    of the frame's pixels, px since the frame before. owner: motion of what each pixel of the frame before shows, NaN
+    where it is unknown; a pixel is of the same surface if its motion is within `alike` px.
+    """
     row, column = wp.tid()
     row += first
     one = wp.float64(1.0)
@@ -146,13 +133,15 @@ def sum_blocks(
     for y in range(row * size, wp.min((row + 1) * size, covered.shape[0])):
         for x in range(column * size, wp.min((column + 1) * size, covered.shape[1])):
             if covered[y, x] != wp.uint8(0):
-                off = wp.vec3(error[0, y, x], error[1, y, x], error[2, y, x])
+                off = wp.vec3(frame[0, y, x], frame[1, y, x], frame[2, y, x])
                 squared = wp.float64(wp.dot(off, off)) / wp.float64(3.0)
                 found[3] += squared
                 if reached[y, x] != wp.uint8(0):
                     found[0] += one
                 else:
-                    pair = pairs[y, x]
+                    pair = wp.vec4()
+                    if paired:
+                        pair = pair_of(frame, before, motion[y, x], owner, alike, y, x)
                     if pair[0] > 0.0:
                         found[1] += one
                         found[4] += squared

@@ -76,7 +76,7 @@ def test_correspondence_is_exact(rotation, tolerance, room):
     geometry = Geometry(Clip(lambda _: blank, 9, motion=rotation.motion), room=room)
     with Launcher() as launcher:
         found = Correspondence(geometry, launcher, 0, 9, room=room)
-        places, back = (np.array(list(each)) for each in (found.places(slice(0, SIZE)), found.glue()))
+        places, back = (np.array([*map(np.array, each)]) for each in (found.places(slice(0, SIZE)), found.glue()))
     assert not places[4].any()
     for t in range(9):
         for seen, other in ((places[t], 4 - t), (back[t], t - 4)):

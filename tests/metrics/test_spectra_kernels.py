@@ -63,31 +63,30 @@ def test_energies_are_sums_of_squares_by_octave(tiles, tolerance):
 
 
 def followed(spectra, other, share):
-    """Energies that following gives, and the states [3] that it leaves: last, mean, and mean of the other."""
-    states = np.stack([spectra[::-1], 0.5 * spectra, np.roll(other, 1, axis=0)])
-    last, mean, other_mean = states
-    return follow_both(spectra, last, mean, other, other_mean, share), states
+    """Energies that following gives, and the means [2] that it leaves: of the spectra, and of the other."""
+    means = np.stack([0.5 * spectra, np.roll(other, 1, axis=0)])
+    return follow_both(spectra, spectra[::-1].copy(), means[0], other, means[1], share), means
 
 
-def test_states_follow_by_a_share_and_tell_the_way(tiles, tolerance):
+def test_means_follow_by_a_share_and_tell_the_way(tiles, tolerance):
     spectra, other = tiles[0].seen(tiles[1])[0], tiles[0].seen(tiles[1][::-1] ** 2)[0]
-    last, mean, other_mean = spectra[::-1], 0.5 * spectra, np.roll(other, 1, axis=0)
-    ways = [spectra - last, spectra - mean, other - other_mean, other - other_mean - (spectra - mean)]
+    mean, other_mean = 0.5 * spectra, np.roll(other, 1, axis=0)
+    ways = [spectra - spectra[::-1], spectra - mean, other - other_mean, other - other_mean - (spectra - mean)]
     exact = [octave_energy(each) for each in (spectra, *ways)]
-    found, states = followed(spectra, other, 0.25)
+    found, means = followed(spectra, other, 0.25)
     assert found == pytest.approx(np.array(exact), rel=tolerance("parseval"))
-    middles = [spectra, mean + np.float32(0.25) * ways[1], other_mean + np.float32(0.25) * ways[2]]
-    for state, middle in zip(states, middles, strict=True):
-        assert np.abs(state - middle).max() < tolerance("single precision spectra") * np.abs(middle).max()
-    assert np.array_equal(followed(spectra, other, 1.0)[1], [spectra, spectra, other])
+    middles = [mean + np.float32(0.25) * ways[1], other_mean + np.float32(0.25) * ways[2]]
+    for each, middle in zip(means, middles, strict=True):
+        assert np.abs(each - middle).max() < tolerance("single precision spectra") * np.abs(middle).max()
+    assert np.array_equal(followed(spectra, other, 1.0)[1], [spectra, other])
 
 
 def test_spectra_are_followed_alone_as_beside_others(tiles):
     spectra, _ = tiles[0].seen(tiles[1])
-    both, states = followed(spectra, spectra[::-1], 0.25)
-    alone = np.stack([spectra[::-1], 0.5 * spectra])
-    assert np.array_equal(follow(spectra, *alone, 0.25), both[:3])
-    assert np.array_equal(alone, states[:2])
+    both, means = followed(spectra, spectra[::-1].copy(), 0.25)
+    mean = 0.5 * spectra
+    assert np.array_equal(follow(spectra, spectra[::-1].copy(), mean, 0.25), both[:3])
+    assert np.array_equal(mean, means[0])
 
 
 def test_power_is_added_up_by_strip(tiles, tolerance):
