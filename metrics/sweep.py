@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from itertools import islice
 from types import TracebackType
 from typing import Any, NamedTuple
@@ -56,13 +57,15 @@ class Sweep:
         """read: where a frame lies on a part of a span -> `pictures` pictures, aligned."""
         self._measures, self._read, self._memory = measures, read, memory
         self._frame, self._has_reference = 12.0 * pictures, pictures > 1
-        self._pool = ThreadPoolExecutor(threads or cores())
+        count = threads or cores()
+        self._pool = ThreadPoolExecutor(count) if count > 1 else None
 
     def __enter__(self) -> "Sweep":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: BaseException | TracebackType | None) -> None:
-        self._pool.shutdown(wait=True, cancel_futures=kind is not None)
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=kind is not None)
 
     def run(self, span: Span, advance: Callable[[int], object], take: Callable[[list[Any]], object]) -> None:
         """Feed a span; `advance` is called with the number of the clip's frames that are done.
@@ -98,12 +101,17 @@ class Sweep:
         last = None
         while upcoming:
             current = upcoming
-            jobs = [self._pool.submit(self._follow, current, last, course, *each) for each in enumerate(pieces(part))]
+            follow = partial(self._follow, current, last, course)
+            ends = [self._start(partial(follow, *each)) for each in enumerate(pieces(part))]
             upcoming = [self._ready(place) for place in islice(placements, chunk)]
-            for job in jobs:
-                job.result()
+            for end in ends:
+                end()
             yield from (ready.t + 1 - part.start for ready in current)
             last = current[-1]._replace(pictures=current[-1].pictures.followed())
+
+    def _start(self, job: Callable[[], None]) -> Callable[[], None]:
+        """Start a job in another thread, if there is to be one; what is returned waits for its end, or does it."""
+        return job if self._pool is None else self._pool.submit(job).result
 
     def _ready(self, place: Placement) -> Ready:
         return Ready(place.t, self._read(place), transforms(place.span, place.t))
