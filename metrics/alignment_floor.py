@@ -2,13 +2,16 @@
 
 from collections import defaultdict
 
+import numpy as np
+
 from metrics.bands import BANDS, describe
-from metrics.glued import LIMIT, TileFloor
+from metrics.glued import LIMIT
 from metrics.measurement import Context, Measurement, Metric
 from metrics.ratios import Ratios
-from metrics.spans import Span
+from metrics.spans import Span, TileFloor
 from metrics.spectra import Batch
 from metrics.tiles import Level
+from metrics.transform import follow
 
 _TEXT = (
     f"share of a glued pattern's energy, content below {LIMIT:g} cycles/px, that reads as flicker: the measure's own"
@@ -22,6 +25,10 @@ SCORES = {"budget.alignment_floor": Metric("1", "information", _TEXT, _SOURCE, _
 }
 
 
+CHANNELS = 3
+"""Of pictures; the pattern has one."""
+
+
 class AlignmentFloor:
     """Flicker of a glued pattern, in total and by band of distance."""
 
@@ -31,21 +38,40 @@ class AlignmentFloor:
         self._unwarped = False
 
     def held(self, level: Level) -> float:
-        del level
-        return 0.0
+        return level.held / CHANNELS
 
     def begin(self, span: Span) -> None:
-        self._found: list[TileFloor] | None = None
-        if span.glued is not None:
-            middle = span.part == 0 and span.start <= self._context.count // 2 < span.stop
-            self._found = span.glued.floor() if middle else []
+        self._span, self._seen = span, False
+        middle = span.correspondence is not None and span.start <= self._context.count // 2 < span.stop
+        levels = span.levels if middle else []
+        self._mean = [np.zeros((level.count, 1, *level.spectrum_shape), dtype=np.complex64) for level in levels]
+        self._energy, self._varied = ([np.zeros(level.count) for level in levels] for _ in range(2))
 
     def add(self, batch: Batch) -> None:
-        """Nothing to learn from pictures."""
+        pattern = batch.pictures.glued
+        if pattern is None:
+            return
+        self._seen = True
+        seen = batch.frame - self._span.start + 1
+        spectra, _ = batch.transform.seen(pattern, batch.tiles)
+        energy, _, varied = follow(spectra, spectra, self._mean[batch.level][batch.tiles], 1 / seen)
+        self._energy[batch.level][batch.tiles] += energy.sum(axis=1)
+        self._varied[batch.level][batch.tiles] += varied.sum(axis=1) * ((seen - 1) / seen)
 
     def end(self) -> list[TileFloor] | None:
         """The pattern's tiles, of one span alone; None where nothing is unwarped."""
-        return self._found
+        span = self._span
+        if span.correspondence is None:
+            return None
+        if self._seen:
+            raised = span.count / max(1, span.count - 1)
+            span.floors[span.part] = [
+                TileFloor(level.size, None if span.bands is None else span.bands[index], energy, varied * raised)
+                for index, (level, energy, varied) in enumerate(
+                    zip(span.levels, self._energy, self._varied, strict=True)
+                )
+            ]
+        return span.floors.get(span.part, [])
 
     def take(self, found: list[TileFloor] | None) -> None:
         if found is None:

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metrics import registry
+from metrics.alignment_floor import AlignmentFloor
 from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
+from metrics.glued import GluedPattern
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
 from metrics.pixels import Pixels
@@ -172,21 +174,24 @@ class Measuring:
         whole = every_pixel(self._names)
         pixels = Pixels(alignment.geometry, launcher, has_reference=context.has_reference)
 
+        floor = GluedPattern(launcher, context.count // 2) if AlignmentFloor in map(type, measures) else None
+
         def read(place: Placement) -> Pictures:
             picture, t, span = self._shown(place.t), place.t, place.span
+            glued = None if floor is None else floor.seen(place)
             found = None if exact is None else exact.exact(t)
             off = None if found is None else picture - found[0]
             # What is not needed any more goes: large frames are most of the memory.
             picture = place.align(picture)
             if exact is None or found is None or off is None:
-                aligned = Pictures(picture)
+                aligned = Pictures(picture, glued=glued)
             elif place.away is None:
                 half, found = found[1], None
                 aligned = Pictures(picture, place.align(off), None if half is None else place.align(half))
             else:
                 # Unwarping is linear, and most of the work: the difference is taken after it.
                 found = exact.aligned(place, found)
-                aligned = Pictures(picture, picture - found[0], found[1])
+                aligned = Pictures(picture, picture - found[0], found[1], glued)
                 found = None
             if whole and span.part == 0:
                 take(pixels.look(t, off, place if span.rows == slice(0, span.shape[0]) else None))

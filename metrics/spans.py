@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from metrics import bands
 from metrics.clip import Clip
 from metrics.correspondence import Correspondence
 from metrics.geometry import Field, Geometry, Mask
-from metrics.glued import Glued
 from metrics.kernels.launch import Launcher
 from metrics.plan import Plan, longest_unwarped, plan_shots, uniform_steps
 from metrics.tiles import Level, Offset, lay
@@ -23,14 +22,22 @@ ROOM = 256e6
 """Bytes that the correspondences of a clip may take, and as much its geometry."""
 
 
+class TileFloor(NamedTuple):
+    """Of the tiles of one size: their bands of distance [n], and a pattern's energy [n] and what of it flickers."""
+
+    size: int
+    bands: NDArray[np.intp] | None
+    energy: NDArray[np.float64]
+    flicker: NDArray[np.float64]
+
+
 @dataclass(frozen=True)
 class Span:
     """Frames start..stop-1, aligned to one anchor frame; or a part of its tiles, measured at a time.
 
     shape: [H, W] of the frames, px.
     offsets: how far the surface is from where the anchor frame has it, (y, x) px, for every frame; all 0 when
-        the pictures are unwarped to the anchor's grid, for which there is a `correspondence`, and a pattern that is
-        `glued` to the surface by it.
+        the pictures are unwarped to the anchor's grid, for which there is a `correspondence`.
     measured: share of the frame that the whole span's tiles weigh, 0..1.
     covered: share of wholly covered pixels in the anchor frame.
     bands: for every level the band of distance [n] of each tile; None without depth.
@@ -38,6 +45,7 @@ class Span:
     part: which part of the span's tiles these are.
     rows: rows of the anchor frame that pictures are aligned for.
     reached: [H, W], the pixels of the anchor frame that tiles weigh by one half or more.
+    floors: part -> what came of a pattern that is glued to the surface, once it is measured.
     """
 
     start: int
@@ -53,7 +61,7 @@ class Span:
     rows: slice
     reached: Mask = field(repr=False)
     correspondence: Correspondence | None = field(default=None, repr=False)
-    glued: Glued | None = field(default=None, repr=False)
+    floors: dict[int, list[TileFloor]] = field(default_factory=dict, repr=False)
     part: int = 0
 
     @property
@@ -161,7 +169,7 @@ def _spans(geometry: Geometry, steps: NDArray[np.float64] | None, make: Callable
 def _span(
     geometry: Geometry, start: int, stop: int, steps: NDArray[np.float64] | None, launcher: Launcher, room: float
 ) -> Span:
-    correspondence = glued = None
+    correspondence = None
     shape = geometry.shape
     if steps is None:
         anchor = (start + stop - 1) // 2
@@ -177,8 +185,6 @@ def _span(
         levels, weight = lay(shape, offsets, lambda index: geometry.surface(start + index).mask)
     left = None if correspondence is None else correspondence.left_of(levels)
     tile_bands = bands.of_tiles(geometry.clip, levels, anchor)
-    if correspondence is not None:
-        glued = Glued(start, stop, shape, levels, tile_bands, correspondence, launcher)
     return Span(
         start,
         stop,
@@ -193,5 +199,4 @@ def _span(
         rows=slice(0, shape[0]),
         reached=weight >= HALF,
         correspondence=correspondence,
-        glued=glued,
     )

@@ -17,12 +17,14 @@ from metrics.transform import Energy, Picture, Spectrum, TileTransform, follow, 
 class Pictures:
     """One frame aligned to a span, each picture [3, H, W]: the test, and with a reference the test minus it.
 
-    half_difference: (A - B)/2 of two halves of the reference's samples, if it is known.
+    half_difference: (A - B)/2 of two halves of the reference's samples, if it is known. glued: [1, H, W], a pattern
+    that is glued to the surface, in the span where it is looked at.
     """
 
     test: Picture
     error: Picture | None = None
     half_difference: Picture | None = None
+    glued: Picture | None = None
 
     def followed(self) -> "Pictures":
         """What the next frame is compared with alone: the error, or without a reference the test."""

@@ -17,7 +17,7 @@ Values = NDArray[np.float32]
 
 
 class Splines:
-    """Makes coefficients of splines on the device, for the length of a `with`; memory is kept for the next."""
+    """Makes coefficients of splines on the device, for the length of a `with`; memory of one is kept for the next."""
 
     def __init__(self, launcher: Launcher) -> None:
         self._launcher = launcher
@@ -45,7 +45,8 @@ class Splines:
             self._filter(plane, found[number], degree)
             self._filter(found[number].transpose(), found[number].transpose(), degree)
         yield found
-        idle.append(found)
+        if not idle:
+            idle.append(found)
 
     def _filter(self, source: Any, values: Any, degree: int) -> None:
         launcher, (lines, length) = self._launcher, values.shape
