@@ -137,17 +137,33 @@ def read(launcher, shoot, reader, width):
     yield out.numpy()
 
 
-def clamped(launcher, shoot, clamp, width):
-    """Every pixel, at the borders too, with a history of other colours."""
+def ranged(launcher, shoot, find, width):
+    """Every row of a picture whose width is, and is not, a multiple of four, at the borders too."""
 
     @wp.kernel(module="unique", enable_backward=False)
-    def kernel(fresh: wp.array2d(dtype=wp.vec4), out: wp.array2d(dtype=wp.vec4)):
-        j, i = wp.tid()
-        other = fresh[fresh.shape[0] - 1 - j, fresh.shape[1] - 1 - i]
-        out[j, i] = clamp(fresh, i, j, other * 1.5 - wp.vec4(0.25, 0.25, 0.25, 0.25))
+    def kernel(fresh: wp.array2d(dtype=wp.vec4), ranges: wp.array2d(dtype=wp.vec4)):
+        find(fresh, wp.tid(), wp.tid(), ranges)
 
-    out = launcher.zeros(SIZE, wp.vec4)
-    launcher.launch(kernel, SIZE, [colours(launcher), out])
+    for columns in (40, 39, 3, 1):
+        fresh = launcher.array(colours(launcher).numpy()[:, :columns].copy(), wp.vec4)
+        ranges = launcher.zeros((2 * SIZE[0], columns), wp.vec4)
+        launcher.launch(kernel, SIZE[0], [fresh, ranges])
+        least, most = ranges.numpy()[0::2], ranges.numpy()[1::2]
+        assert (least <= most).all()
+        yield ranges.numpy()
+
+
+def held(launcher, shoot, hold, width):
+    """A history within a range and on both sides of it."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(given: wp.array2d(dtype=wp.vec4), out: wp.array(dtype=wp.vec4)):
+        k = wp.tid()
+        out[k] = hold(given[0, k], wp.min(given[1, k], given[2, k]), wp.max(given[1, k], given[2, k]))
+
+    given = np.random.default_rng(0).uniform(-1, 1, (3, 300, 4))
+    out = launcher.zeros(300, wp.vec4)
+    launcher.launch(kernel, 300, [launcher.array(given, wp.vec4), out])
     assert out.numpy().std() > 0.1
     yield out.numpy()
 
@@ -196,6 +212,7 @@ RUNS = {
     ("nearness", "places", "earlier", "i", "j"): placed,
     ("nearness", "j"): near,
     ("image", "x", "y"): read,
-    ("fresh", "i", "j", "history"): clamped,
+    ("fresh", "j", "row", "ranges"): ranged,
+    ("history", "least", "most"): held,
 }
 """Parameters of a form -> what runs a function of these parameters."""

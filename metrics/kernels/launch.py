@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
+from copy import copy
 from pathlib import Path
 from typing import Any, NamedTuple, Self, TypeVar
 
@@ -76,7 +77,8 @@ class Launcher:
         try:
             work()
             for task in tasks:
-                task.result()
+                if not task.cancel():  # a thread that has not begun by now finds nothing left
+                    task.result()
         except BaseException:
             waiting.clear()
             wait(tasks)
@@ -114,25 +116,29 @@ class Launcher:
         """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
 
         Its dim is (rows, *width), or a kernel's thread takes `each` rows. `own(rows)` makes the last inputs, for a
-        strip alone: scratch of as many rows as are worked on at once. A launch is recorded for each of the launcher's
-        threads, and started anew for each strip. strip: rows of samples that a strip has at least.
+        strip alone: scratch of as many rows as are worked on at once. A launch is recorded once, copied for each of
+        the launcher's threads, and started anew for each strip. strip: rows of samples that a strip has at least.
         """
-        idle: list[Any] = []
+        strips = self._shares(rows, n, strip)
+        if not strips:
+            return
+        at_once = 1 if self.device == "cpu" else rows
+        dims = [(-(-strip.rows // each), *width) for strip in strips]
+        recorded = self.record(kernel, dims[0], [0, *inputs, *own(at_once)])
+        idle = [(recorded, dims[0])]
 
-        def run(strip: Strip) -> None:
-            dim = (-(-strip.rows // each), *width)
+        def run(index: int) -> None:
             try:
-                command = idle.pop()
+                command, dim = idle.pop()
             except IndexError:
-                at_once = 1 if self.device == "cpu" else rows
-                command = self.record(kernel, dim, [strip.first, *inputs, *own(at_once)])
-            else:
-                command.set_dim(dim)
-                command.set_param_at_index(0, strip.first)
+                command, dim = _another(recorded, 1 + len(inputs), own(at_once)), ()
+            if dim != dims[index]:
+                command.set_dim(dims[index])
+            command.set_param_at_index_from_ctype(0, strips[index].first)
             self.start(command)
-            idle.append(command)
+            idle.append((command, dims[index]))
 
-        self.each(self._shares(rows, n, strip), run)
+        self.each(range(len(strips)), run)
 
     def _shares(self, rows: int, n: int, least: int) -> list[Strip]:
         """Strips of whole multiples of `least` rows of samples, the first the largest: a half of what one thread
@@ -181,6 +187,16 @@ def _recorded(kernel: wp.Kernel, dim: int | tuple[int, ...], inputs: Sequence[An
         start_warp()
         command = wp.launch(kernel, dim=dim, inputs=list(inputs), device=device, record_cmd=True)
         _LOADED.add((str(device), kernel))
+    return command
+
+
+def _another(recorded: Any, first: int, own: Sequence[Any]) -> Any:
+    """A launch like a recorded one, for another thread: inputs from `first` on are its own."""
+    command = copy(recorded)
+    vars(command).update({name: list(held) for name, held in vars(recorded).items() if isinstance(held, list)})
+    command.set_param_at_index(0, 0)  # else both threads would write their first row to one number
+    for index, value in enumerate(own, first):
+        command.set_param_at_index(index, value)
     return command
 
 

@@ -73,26 +73,12 @@ def render_samples(
     shot: Shot, texture_filter: TextureFilter, *, n: int, jittered: bool = False, inputs: Inputs = BOX
 ) -> Picture:
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
-    launcher = shot.launcher
+    launcher, triangles, grid = shot.launcher, shot.triangles, shot.grid(n, jittered=jittered)
     size = (shot.view.height, shot.view.width)
-    error = launcher.empty(size if n > 1 else (0, 0), wp.vec4)
-    picture, shaded = draw(shot, shot.grid(n, jittered=jittered), texture_filter, n, inputs, error)
-    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
-
-
-def draw(
-    shot: Shot, grid: Any, texture_filter: TextureFilter, n: int = 1, inputs: Inputs = BOX, error: Any = None
-) -> tuple[Any, Any]:
-    """Shade n x n samples a pixel of the screen: the picture [H, W] and each row's number of samples [H] on the device.
-
-    error: [H, W], to be filled, if n > 1.
-    """
-    launcher, triangles = shot.launcher, shot.triangles
-    picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
+    picture, error = launcher.empty(size, wp.vec4), launcher.empty(size if n > 1 else (0, 0), wp.vec4)
     shaded = launcher.empty(shot.view.height, wp.int32)
     core = core_of(shot, texture_filter, inputs)
-    given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments]
-    given += [picture, launcher.empty((0, 0), wp.vec4) if error is None else error, shaded]
+    given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments, picture, error, shaded]
     launcher.over(
         shot.view.height,
         draw_samples(core.fill, core.shade, core.width),
@@ -101,7 +87,7 @@ def draw(
         n=n,
         own=lambda rows: [launcher.empty((rows * n, grid.width), wp.int32)],
     )
-    return picture, shaded
+    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
 
 
 class MomentSettings(Settings):

@@ -172,13 +172,49 @@ def shade_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> w
 
 
 @made_once
-def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that draws triangles: it clears rows of pixels, finds what they see and shades it, one thread a row.
+def draw_row(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Function:
+    """The function that draws triangles into row j of a picture; it returns the number of samples (see `shade_row`).
 
-    `visible` [rows * n, grid.width] is scratch for as many rows of pixels as are worked on at once.
+    It clears the row, finds what it sees and shades that. Rows `row` n and on of `visible` are scratch.
     """
     texel_type = TEXELS[width]
     shade, blank = shade_row(fill, shade_packet, width), blanking().native
+
+    @wp.func(module="unique")
+    def draw(
+        row: wp.int32,
+        j: wp.int32,
+        n: wp.int32,
+        grid: Grid,
+        edges: wp.array(dtype=Edges),
+        planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        texels: wp.array(dtype=texel_type),
+        chain: Chain,
+        sun: Sun,
+        picture: wp.array2d(dtype=wp.vec4),
+        error: wp.array2d(dtype=wp.vec4),
+        visible: wp.array2d(dtype=wp.int32),
+    ) -> wp.int32:
+        blank(picture, j)
+        if n > 1:
+            blank(error, j)
+        for y in range(n):
+            see_row(row * n + y, j * n + y, grid, edges, planes, bounds, visible)
+        return shade(row, j, j, n, grid, visible, planes, texels, chain, sun, picture, error)
+
+    return draw
+
+
+@made_once
+def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
+    """The kernel that draws triangles into rows of pixels, one thread a row (see `draw_row`).
+
+    `visible` [rows * n, grid.width] is scratch for as many rows of pixels as are worked on at once. `shaded` receives
+    each row's number of samples.
+    """
+    texel_type = TEXELS[width]
+    draw = draw_row(fill, shade_packet, width)
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -198,11 +234,6 @@ def draw_samples(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp
     ):
         j = first_row + wp.tid()
         row = wp.tid() % (visible.shape[0] / n)
-        blank(picture, j)
-        if n > 1:
-            blank(error, j)
-        for y in range(n):
-            see_row(row * n + y, j * n + y, grid, edges, planes, bounds, visible)
-        shaded[j] = shade(row, j, j, n, grid, visible, planes, texels, chain, sun, picture, error)
+        shaded[j] = draw(row, j, n, grid, edges, planes, bounds, texels, chain, sun, picture, error, visible)
 
     return kernel

@@ -1,12 +1,11 @@
-"""Reuse of the previous frame: where a surface was, whether it was seen there, and the blend with its history."""
+"""Reuse of the previous frame: where a surface was, and whether it was seen there."""
 
 import warp as wp
 
-from metrics.kernels.forms import Form, Twins, form
+from metrics.kernels.forms import Twins, form
 from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import surface_at
 from swimlab.render.kernels.geometry import Previous, place_before
-from swimlab.render.kernels.history import premultiplying
 from swimlab.render.kernels.raster import inverse_depth, sample_position, see_row
 from swimlab.render.kernels.structs import Edges, Grid, Planes
 
@@ -70,17 +69,19 @@ def projecting() -> Twins:
 
 
 @made_once
-def reproject_on(device: str) -> wp.Kernel:
-    """The kernel that finds the surface at each pixel's centre, now and in the previous frame, one thread a row.
+def reprojecting(device: str) -> wp.Function:
+    """The function that finds the surface at each pixel's centre in row j, now and in the previous frame.
 
     nearness: 1/w (1/m) now. places: its place x, y (px) and 1/w in the previous frame, and the slope of 1/w,
-    |d/dx| + |d/dy| a pixel. 0 where there is none. `visible` is scratch.
+    |d/dx| + |d/dy| a pixel. Where there is none, nearness is 0 and places stay as they are. Row `row` of `visible` is
+    scratch.
     """
     project = projecting().on(device)
 
-    @wp.kernel(module="unique", enable_backward=False)
+    @wp.func(module="unique")
     def reproject(
-        first_row: wp.int32,
+        row: wp.int32,
+        j: wp.int32,
         grid: Grid,
         edges: wp.array(dtype=Edges),
         planes: wp.array(dtype=Planes),
@@ -90,20 +91,18 @@ def reproject_on(device: str) -> wp.Kernel:
         places: wp.array2d(dtype=wp.vec4),
         visible: wp.array2d(dtype=wp.int32),
     ):
-        j = first_row + wp.tid()
-        row = wp.tid() % visible.shape[0]
         see_row(row, j, grid, edges, planes, bounds, visible)
         i = wp.int32(0)
         while i < grid.width:
             triangle = visible[row, i]
             stop = wp.int32(i + 1)
+            while stop < grid.width and visible[row, stop] == triangle:
+                stop += 1
             if triangle >= 0:
-                while stop < grid.width and visible[row, stop] == triangle:
-                    stop += 1
                 project(planes[triangle], grid, previous, i, j, stop - i, nearness, places)
             else:
-                nearness[j, i] = 0.0
-                places[j, i] = wp.vec4(0.0, 0.0, 0.0, 0.0)
+                for k in range(i, stop):
+                    nearness[j, k] = 0.0
             i = stop
 
     return reproject
@@ -209,86 +208,3 @@ def placing() -> Twins:
         return wp.vec3(0.0, 0.0, 0.0)
 
     return Twins(place_before_of, PLACE)
-
-
-ANY_NEAR = """
-    float most = 0.0f;
-    for (int y = j > 0 ? j - 1 : 0; y <= j + 1 && y < nearness.shape[0]; ++y) {
-        const float* __restrict line = (const float*)((const char*)nearness.data + (long)y*nearness.strides[0]);
-        float found[16] = {};
-        int i = 0;
-        for (; i + 16 <= nearness.shape[1]; i += 16)
-            for (int k = 0; k < 16; ++k) found[k] = line[i + k] > found[k] ? line[i + k] : found[k];
-        for (; i < nearness.shape[1]; ++i) most = line[i] > most ? line[i] : most;
-        for (int k = 0; k < 16; ++k) most = found[k] > most ? found[k] : most;
-    }
-    return most > 0.0f;
-"""
-
-
-@form()
-def any_near() -> Twins:
-    """The function that tells whether a pixel of row j, or of the rows above and below it, sees a surface."""
-
-    @wp.func(module="unique")
-    def near(nearness: wp.array2d(dtype=wp.float32), j: wp.int32) -> wp.bool:
-        for y in range(wp.max(j - 1, 0), wp.min(j + 2, nearness.shape[0])):
-            for i in range(nearness.shape[1]):
-                if nearness[y, i] > 0.0:
-                    return True
-        return False
-
-    return Twins(near, ANY_NEAR)
-
-
-@form()
-def copying() -> Twins:
-    """The function that copies row j of a picture."""
-
-    @wp.func(module="unique")
-    def copy(image: wp.array2d(dtype=wp.vec4), j: wp.int32, out: wp.array2d(dtype=wp.vec4)):
-        for i in range(image.shape[1]):
-            out[j, i] = image[j, i]
-
-    return Twins(
-        copy,
-        "__builtin_memcpy((char*)out.data + (long)j*out.strides[0], (char*)image.data + (long)j*image.strides[0],"
-        " 16*image.shape[1]);",
-    )
-
-
-@made_once
-def resolve_with(history_read: Form, history_clamp: Form, device: str) -> wp.Kernel:
-    """The kernel that blends rows of a new frame into the history, or keeps them where that saw another surface.
-
-    `fresh` and `history` are premultiplied [H, W]; `nearness` and `places` are `reproject`'s of the new frame,
-    `nearness_before` is the frame before's.
-    """
-
-    read, clamp = history_read.on(device), history_clamp.on(device)
-    place, near, copy, possible = (each().on(device) for each in (placing, any_near, copying, premultiplying))
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def resolve(
-        first_row: wp.int32,
-        blend: wp.float32,
-        fresh: wp.array2d(dtype=wp.vec4),
-        nearness: wp.array2d(dtype=wp.float32),
-        places: wp.array2d(dtype=wp.vec4),
-        history: wp.array2d(dtype=wp.vec4),
-        nearness_before: wp.array2d(dtype=wp.float32),
-        picture: wp.array2d(dtype=wp.vec4),
-    ):
-        j = first_row + wp.tid()
-        if not near(nearness, j):
-            copy(fresh, j, picture)
-            return
-        for i in range(fresh.shape[1]):
-            colour = fresh[j, i]
-            at = place(nearness, places, nearness_before, i, j)
-            if at[2] > 0.0:
-                kept = possible(clamp(fresh, i, j, read(history, at[0], at[1])))
-                colour = kept + (colour - kept) * blend
-            picture[j, i] = colour
-
-    return resolve

@@ -15,12 +15,14 @@ from pydantic import Field
 
 from sequences import View
 from swimlab.render.geometry import seen_from
-from swimlab.render.kernels.history import CLAMPS, READS
-from swimlab.render.kernels.temporal import reproject_on, resolve_with
+from swimlab.render.inputs import BOX
+from swimlab.render.kernels.accumulation import resolve_with, sample_with
+from swimlab.render.kernels.clamp import CLAMPS
+from swimlab.render.kernels.history import READS
 from swimlab.render.kernels.texture_filter import anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.technique import Picture, Technique, draw, to_image
+from swimlab.render.technique import Picture, Technique, core_of, to_image
 
 
 class TaaSettings(Settings):
@@ -82,16 +84,29 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     """One step of the recursion: a new sample of each pixel, jittered by `step`, and the history, that of `before`."""
     launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
     size = (view.height, view.width)
-    jittered: Any = shot.grid()
+    samples: Any = shot.grid()
     x, y = jitters(settings.period)[step % settings.period]
-    jittered.origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
-    fresh, shaded = draw(shot, jittered, anisotropic_to(settings.anisotropy))
+    samples.origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
+    core = core_of(shot, anisotropic_to(settings.anisotropy), BOX)
+    fresh, shaded = launcher.empty(size, wp.vec4), launcher.empty(view.height, wp.int32)
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
     launcher.over(
         view.height,
-        reproject_on(launcher.device),
+        sample_with(core.fill, core.shade, core.width, launcher.device),
         (),
-        [grid, triangles.edges, triangles.planes, triangles.bounds, seen_from(shot, before), nearness, places],
+        [
+            samples,
+            grid,
+            seen_from(shot, before),
+            triangles.edges,
+            triangles.planes,
+            triangles.bounds,
+            *core.arguments,
+            fresh,
+            shaded,
+            nearness,
+            places,
+        ],
         own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
     )
     if last is None:
@@ -99,7 +114,7 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     picture = launcher.empty(size, wp.vec4)
     resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
     inputs = [settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
-    launcher.over(view.height, resolve, (), inputs)
+    launcher.over(view.height, resolve, (), inputs, own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)])
     return History(step, picture, nearness, shaded)
 
 

@@ -18,20 +18,20 @@ class WatchedLauncher(Launcher):
 
     def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
         super().__init__(threads=threads, device=device)
-        self._noted: list[tuple[str, float]] = []
+        self._noted: list[tuple[wp.Kernel, float]] = []
 
     def start(self, command: Any) -> None:
         """Start a recorded launch and note its time."""
         began = self._now()
         super().start(command)
-        self._noted.append((kernel_name(command.kernel), 1e3 * (self._now() - began)))
+        self._noted.append((command.kernel, 1e3 * (self._now() - began)))
 
     def take(self) -> Mapping[str, float]:
         """Milliseconds of all threads by kernel since the last call."""
         spent: dict[str, float] = defaultdict(float)
         noted, self._noted = self._noted, []
-        for name, ms in noted:
-            spent[name] += ms
+        for kernel, ms in noted:
+            spent[kernel_name(kernel)] += ms
         return spent
 
     def _now(self) -> float:

@@ -6,8 +6,12 @@ import warp as wp
 
 from sequences import load
 from swimlab.render.geometry import describe_geometry, seen_from
-from swimlab.render.kernels.history import CLAMPS, READS
-from swimlab.render.kernels.temporal import reproject_on, resolve_with
+from swimlab.render.inputs import BOX
+from swimlab.render.kernels.accumulation import resolve_with, sample_with
+from swimlab.render.kernels.clamp import CLAMPS
+from swimlab.render.kernels.history import READS
+from swimlab.render.kernels.texture_filter import anisotropic_to
+from swimlab.render.technique import core_of
 
 H, W = 12, 16
 BLEND = 0.25
@@ -27,7 +31,8 @@ def resolve(launcher):
         fresh, places, history = (launcher.array(each, wp.vec4) for each in vectors)
         now, before = (launcher.array(each.astype(np.float32), wp.float32) for each in (now, before))
         kernel = resolve_with(READS[read], CLAMPS[clamp], launcher.device)
-        launcher.launch(kernel, H, [0, BLEND, fresh, now, places, history, before, picture])
+        scratch = launcher.empty((2 * H, W), wp.vec4)
+        launcher.launch(kernel, H, [0, BLEND, fresh, now, places, history, before, picture, scratch])
         return picture.numpy()
 
     return resolve
@@ -144,11 +149,12 @@ def test_places_are_where_motion_leads_back_to(launcher, shoot, tolerance, name)
     shot = shoot(load(name).with_changes(size=(64, 36)), 2)
     geometry = describe_geometry(shot)
     size = (36, 64)
-    triangles, scratch = shot.triangles, launcher.empty(size, wp.int32)
+    core, triangles, grid = core_of(shot, anisotropic_to(16), BOX), shot.triangles, shot.grid()
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
-    inputs = [0, shot.grid(), triangles.edges, triangles.planes, triangles.bounds]
-    inputs += [seen_from(shot, shot.sequence.view(1)), nearness, places, scratch]
-    launcher.launch(reproject_on(launcher.device), 36, inputs)
+    picture, shaded, scratch = (launcher.empty(*of) for of in ((size, wp.vec4), (36, wp.int32), (size, wp.int32)))
+    inputs = [0, grid, grid, seen_from(shot, shot.sequence.view(1)), triangles.edges, triangles.planes]
+    inputs += [triangles.bounds, *core.arguments, picture, shaded, nearness, places, scratch]
+    launcher.launch(sample_with(core.fill, core.shade, core.width, launcher.device), 36, inputs)
     hit = geometry.depth > 0
     j, i = np.mgrid[:36, :64] + 0.5
     nearness, places = nearness.numpy(), places.numpy()
