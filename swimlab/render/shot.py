@@ -81,6 +81,10 @@ class Shot:
         of = self.sequence.scene, self.view.camera, width, height, thinnest, self.launcher
         return self._kept.get("triangles", of, make)
 
+    def kept(self, name: str, of: Any, make: Callable[[], Made]) -> Made:
+        """What a technique makes under a name of its own, or made for an earlier shot of something equal."""
+        return self._kept.get(name, of, make)
+
     def inputs(self, preferred: Inputs) -> Inputs:
         """The preferred inputs, or their `otherwise` where their own lobe does not fit the scene's model."""
         fits = self.model.slopes_are_gaussian and not self.material.twisted

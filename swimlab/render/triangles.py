@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from metrics.kernels.launch import Launcher, Strip
 from sequences import Camera
 from swimlab.render.kernels.raster import NEAR, rasterise
-from swimlab.render.kernels.set_up import reach_samples, set_up_triangles
+from swimlab.render.kernels.set_up import set_up_triangles
 from swimlab.render.kernels.structs import Edges, Planes
 from swimlab.render.mesh import Doubles, Mesh
 
@@ -44,13 +44,11 @@ def screen_projection(camera: Camera, height: int, width: int) -> Doubles:
     return np.asarray(intrinsics @ camera.basis(), np.float64)
 
 
-def on_screen(
-    launcher: Launcher, mesh: Mesh, projection: Doubles, *, carried: Doubles | None = None, thinnest: float = 0.0
-) -> Triangles:
+def on_screen(launcher: Launcher, mesh: Mesh, projection: Doubles, *, thinnest: float = 0.0) -> Triangles:
     """The mesh as the camera sees it, without triangles that face away.
 
-    carried: [N, 3], values to interpolate in place of the positions. thinnest: px; loose triangles of a lesser
-    altitude on the screen are not drawn either, as sampling would hit them only now and then.
+    thinnest: px; loose triangles of a lesser altitude on the screen are not drawn either, as sampling would hit them
+    only now and then.
     """
     points = mesh.positions @ projection.T
     facing = mesh.facing
@@ -58,7 +56,6 @@ def on_screen(
     if thinnest > 0.0:
         slivers = facing & mesh.loose
         slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
-    mesh = mesh if carried is None else replace(mesh, positions=carried)
     triangles = set_up(launcher, points, mesh, np.arange(len(mesh.triangles)), drawn=facing & ~slivers)
     return replace(
         triangles, back_faces=len(facing) - int(np.count_nonzero(facing)), slivers=int(np.count_nonzero(slivers))
@@ -140,18 +137,6 @@ def set_up(
     inputs += [launcher.view(np.ones(count, bool) if drawn is None else drawn, wp.bool)]
     launcher.launch(set_up_triangles, count, [*inputs, ready.edges, ready.planes, ready.bounds])
     return ready
-
-
-def sampled(launcher: Launcher, mesh: Mesh, projection: Doubles, grid: Any) -> Mesh:
-    """The mesh without triangles that lie between the rows of a grid that is not jittered, or beyond them.
-
-    No sample of the grid sees these.
-    """
-    points, reaches = mesh.positions @ projection.T, launcher.empty(len(mesh.triangles), wp.bool)
-    inputs = [launcher.view(points, wp.vec3d), launcher.view(mesh.triangles, wp.vec3i), grid, reaches]
-    launcher.launch(reach_samples, len(mesh.triangles), inputs)
-    kept = np.flatnonzero(reaches.numpy())
-    return replace(mesh, triangles=mesh.triangles[kept], segments=mesh.segments[kept], loose=mesh.loose[kept])
 
 
 def visibility(

@@ -88,15 +88,22 @@ def set_up_triangles(
 
 
 @wp.kernel
-def reach_samples(
-    points: wp.array(dtype=wp.vec3d), corners: wp.array(dtype=wp.vec3i), grid: Grid, reaches: wp.array(dtype=wp.bool)
+def find_sampled(
+    points: wp.array(dtype=wp.vec3d),
+    positions: wp.array(dtype=wp.vec3d),
+    corners: wp.array(dtype=wp.vec3i),
+    grid: Grid,
+    sampled: wp.array(dtype=wp.bool),
 ):
-    """Whether the middle of a row of the grid lies within the rows that a triangle reaches."""
+    """Whether a triangle turns its upper side to the eye, and the middle of a row of the grid lies in its rows."""
     k = wp.tid()
+    a = positions[corners[k][0]]
+    normal = across(positions[corners[k][1]] - a, positions[corners[k][2]] - a)
     bounds = rows_reached(points[corners[k][0]], points[corners[k][1]], points[corners[k][2]])
     half = wp.float64(0.5)
     rounding = wp.float64(1.0e-6)
     last = wp.float64(grid.height - 1)
     first = wp.max((bounds[0] - grid.origin[1]) / grid.pitch[1] - half - rounding, wp.float64(0.0))
     stop = wp.min((bounds[1] - grid.origin[1]) / grid.pitch[1] - half + rounding, last)
-    reaches[k] = wp.ceil(first) <= wp.floor(stop)
+    faces = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2] < wp.float64(0.0)
+    sampled[k] = faces and wp.ceil(first) <= wp.floor(stop)

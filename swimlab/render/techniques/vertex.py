@@ -6,24 +6,28 @@ its inputs further the smaller the frame is. On `road-scale` vertex lighting is 
 of 640x360, and nearer to the reference from 113x64 on. Highlights are smeared over quads, but stick to the road.
 """
 
+from dataclasses import dataclass, replace
 from math import log2
 from typing import Annotated, Any
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 from pydantic import Field
 
+from metrics.kernels.launch import Launcher
 from metrics.kernels.making import made_once
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.raster import sample_position, see_row
 from swimlab.render.kernels.sampling import trilinear
+from swimlab.render.kernels.set_up import find_sampled
 from swimlab.render.kernels.shading import in_local_frame, shade_with
 from swimlab.render.kernels.structs import TEXELS, Chain, Edges, Grid, Planes, Sun, Surface
 from swimlab.render.mesh import Doubles, Mesh, scene_mesh
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.technique import Picture, Technique, to_image
-from swimlab.render.triangles import on_screen, sampled, screen_projection
+from swimlab.render.triangles import screen_projection, set_up
 
 Quads = Annotated[int, Field(ge=1, le=256)]
 
@@ -44,18 +48,18 @@ def shade_vertices(reflect: wp.Function, width: int) -> wp.Kernel:
     def kernel(
         uv: wp.array(dtype=wp.vec2d),
         positions: wp.array(dtype=wp.vec3d),
-        slope: wp.array(dtype=wp.float32),
+        slope: wp.array(dtype=wp.float64),
         lod: wp.float32,
         texels: wp.array(dtype=texel_type),
         chain: Chain,
         sun: Sun,
-        colours: wp.array(dtype=wp.vec3),
+        colours: wp.array(dtype=wp.vec3d),
     ):
         k = wp.tid()
         surface = Surface()
         surface.position = positions[k]
-        surface.slope = slope[k]
-        colours[k] = shade(trilinear(texels, chain, lod, wp.vec2(uv[k])), surface, sun)
+        surface.slope = wp.float32(slope[k])
+        colours[k] = wp.vec3d(shade(trilinear(texels, chain, lod, wp.vec2(uv[k])), surface, sun))
 
     return kernel
 
@@ -91,36 +95,75 @@ def interpolate(
         picture[j, i] = colour
 
 
-def vertex_colours(shot: Shot, mesh: Mesh, lod: float) -> Doubles:
-    """Radiance at each vertex of a mesh, [N, 3], linear RGB, from the maps' box chain at a level of detail."""
-    launcher, inputs = shot.launcher, shot.inputs(BOX)
-    chain = shot.material.chain(inputs)
-    kernel = shade_vertices(in_local_frame(shot.model.evaluate, chain.floats), chain.floats)
-    colours = launcher.empty(len(mesh.positions), wp.vec3)
-    arguments: list[Any] = [launcher.view(mesh.uv, wp.vec2d), launcher.view(mesh.positions, wp.vec3d)]
-    arguments += [
-        launcher.view(mesh.slope.astype(np.float32), wp.float32),
-        lod,
-        chain.texels,
-        chain.shape,
-        shot.sun,
-        colours,
-    ]
-    launcher.launch(kernel, len(mesh.positions), arguments)
-    return np.asarray(colours.numpy(), np.float64)
+@dataclass(frozen=True)
+class Vertices:
+    """A mesh before an eye, and what of it kernels take, on the device.
+
+    projected: [N, 3], homogeneous image px. points: the same. corners: of the triangles.
+    """
+
+    mesh: Mesh
+    projected: Doubles
+    uv: Any
+    positions: Any
+    slope: Any
+    points: Any
+    corners: Any
+
+    @staticmethod
+    def of(launcher: Launcher, mesh: Mesh, projection: Doubles) -> "Vertices":
+        """The vertices under a projection (see `screen_projection`)."""
+        projected = mesh.positions @ projection.T
+        return Vertices(
+            mesh,
+            projected,
+            uv=launcher.view(mesh.uv, wp.vec2d),
+            positions=launcher.view(mesh.positions, wp.vec3d),
+            slope=launcher.view(mesh.slope, wp.float64),
+            points=launcher.view(projected, wp.vec3d),
+            corners=launcher.view(mesh.triangles, wp.vec3i),
+        )
+
+    def colours(self, shot: Shot, lod: float) -> Doubles:
+        """Radiance at each vertex, [N, 3], linear RGB, from the maps' box chain at a level of detail."""
+        launcher, chain, count = shot.launcher, shot.material.chain(shot.inputs(BOX)), len(self.projected)
+        kernel = shade_vertices(in_local_frame(shot.model.evaluate, chain.floats), chain.floats)
+        colours = launcher.empty(count, wp.vec3d)
+        inputs = [self.uv, self.positions, self.slope, lod, chain.texels, chain.shape, shot.sun, colours]
+        launcher.launch(kernel, count, inputs)
+        return np.asarray(colours.numpy(), np.float64)
+
+    def sampled(self, launcher: Launcher, grid: Any) -> NDArray[np.int64]:
+        """The triangles, in order, that samples of a grid that is not jittered can see.
+
+        Not those that face away, nor those that lie between the grid's rows or beyond them.
+        """
+        count = len(self.mesh.triangles)
+        found = launcher.empty(count, wp.bool)
+        launcher.launch(find_sampled, count, [self.points, self.positions, self.corners, grid, found])
+        return np.flatnonzero(found.numpy())
+
+
+def vertices_of(shot: Shot, quads: tuple[int, int]) -> Vertices:
+    """The road of a shot in so many quads a segment, across and along; kept where the eye stands still."""
+    scene, camera = shot.sequence.scene, shot.view.camera
+    width, height = shot.sequence.size
+
+    def make() -> Vertices:
+        road = scene.road.model_copy(update={"tessellation": quads})
+        mesh = scene_mesh(scene.model_copy(update={"road": road}), camera)
+        return Vertices.of(shot.launcher, mesh, screen_projection(camera, height, width))
+
+    return shot.kept("vertices", (scene, camera, width, height, quads, shot.launcher), make)
 
 
 def render(shot: Shot, settings: VertexSettings) -> Picture:
     """Shade the vertices with inputs filtered to their spacing, interpolate with correct perspective."""
-    launcher, scene, camera = shot.launcher, shot.sequence.scene, shot.view.camera
-    across, along = settings.quads
-    road = scene.road.model_copy(update={"tessellation": settings.quads})
-    mesh = scene_mesh(scene.model_copy(update={"road": road}), camera)
-    texels_across, texels_along = shot.material.size
-    colours = vertex_colours(shot, mesh, log2(max(texels_across / across, texels_along / along)))
-    width, height = shot.sequence.size
-    projection, grid = screen_projection(camera, height, width), shot.grid()
-    triangles = on_screen(launcher, sampled(launcher, mesh, projection, grid), projection, carried=colours)
+    launcher, grid, vertices = shot.launcher, shot.grid(), vertices_of(shot, settings.quads)
+    texels = max(size / quads for size, quads in zip(shot.material.size, settings.quads, strict=True))
+    colours = vertices.colours(shot, log2(texels))
+    carrier = replace(vertices.mesh, positions=colours)
+    triangles = set_up(launcher, vertices.projected, carrier, vertices.sampled(launcher, grid))
     picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
     launcher.over(
         shot.view.height,

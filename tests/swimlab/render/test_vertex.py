@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from metrics.kernels.launch import Strip
 from sequences import load
 from swimlab.render.mesh import scene_mesh
-from swimlab.render.techniques.vertex import VertexSettings, vertex_colours
-from swimlab.render.triangles import on_screen, sampled, screen_projection, visibility
+from swimlab.render.techniques.vertex import VertexSettings, Vertices, vertices_of
+from swimlab.render.triangles import on_screen, screen_projection, set_up, visibility
 
 ROAD = {"length": 40.0, "segment": 8.0}
 NEAR = load("road-shift").with_changes(
@@ -31,7 +31,7 @@ def test_a_vertex_has_the_colour_of_its_place(shoot, maps, tolerance, quads):
     """Inputs from the maps' chain at log2 of the longer edge, in texels; shaded in double precision."""
     shot, mesh = shoot(NEAR), cut(NEAR, quads)
     lod = log2(64 / min(quads))
-    found = vertex_colours(shot, mesh, lod)
+    found = vertices_of(shot, quads).colours(shot, lod)
     oracle = Oracle(NEAR, maps, 0)
     texels = trilinear(oracle.chain(), mesh.uv, np.full(len(mesh.uv), lod))
     exact = oracle.shade(texels, mesh.positions)
@@ -52,7 +52,8 @@ def test_a_pixel_upon_a_vertex_has_its_colour(shoot, render, tolerance, which):
     velocity = (column + 0.5 - place[vertex, 0], row + 0.5 - place[vertex, 1])
     slid = NEAR.with_changes(motion={"kind": "shift", "velocity": velocity})
     picture = render(shoot(slid, 1), "vertex", quads=quads).rgba
-    colour = vertex_colours(shoot(NEAR), mesh, log2(64 / 16))[vertex]
+    shot = shoot(NEAR)
+    colour = vertices_of(shot, quads).colours(shot, log2(64 / 16))[vertex]
     assert picture[row, column] == pytest.approx([*colour, 1.0], rel=tolerance("linear light"))
 
 
@@ -100,19 +101,23 @@ def test_triangles_that_no_sample_sees_need_not_be_set_up(launcher, shoot, name,
     shot = shoot(load(name).with_changes(size=(64, 36)), 1)
     mesh, grid, whole = cut(shot.sequence, cut_into), shot.grid(), Strip(0, 36)
     projection = screen_projection(shot.view.camera, 36, 64)
-    less = sampled(launcher, mesh, projection, grid)
-    assert len(less.triangles) < len(mesh.triangles)
-    seen, found = (
-        visibility(launcher, on_screen(launcher, each, projection), grid, whole).numpy() for each in (mesh, less)
-    )
+    vertices = Vertices.of(launcher, mesh, projection)
+    few = vertices.sampled(launcher, grid)
+    assert len(few) < len(mesh.triangles)
+    both = on_screen(launcher, mesh, projection), set_up(launcher, vertices.projected, mesh, few)
+    seen, found = (visibility(launcher, each, grid, whole).numpy() for each in both)
     assert np.array_equal(seen >= 0, found >= 0)
     hit = seen >= 0
-    assert np.array_equal(mesh.triangles[seen[hit]], less.triangles[found[hit]])
+    assert np.array_equal(seen[hit], few[found[hit]])
+    assert not np.isin(few, np.flatnonzero(~mesh.facing)).any()
 
 
 def test_a_still_eye_keeps_its_mesh_and_another_does_not(shoot):
     still, driven = (shoot(load(name).with_changes(size=(64, 36)), 0) for name in ("road-shift", "road-drive"))
     assert still.at(3).triangles is still.triangles
+    assert vertices_of(still.at(3), (4, 4)) is vertices_of(still, (4, 4))
+    assert vertices_of(still, (4, 8)) is not vertices_of(still, (4, 4))
+    assert vertices_of(driven.at(3), (4, 4)) is not vertices_of(driven, (4, 4))
     assert still.at(3).view.origin != still.view.origin
     assert driven.at(3).mesh is not driven.mesh
     assert np.array_equal(driven.at(3).mesh.positions, shoot(driven.sequence, 3).mesh.positions)
