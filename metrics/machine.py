@@ -11,6 +11,7 @@ import psutil
 CGROUPS = Path("/sys/fs/cgroup")
 OWN_CGROUP = Path("/proc/self/cgroup")
 CPUINFO = Path("/proc/cpuinfo")
+OWN_THREADS = Path("/proc/self/task")
 
 
 def cores() -> int:
@@ -60,6 +61,15 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8", errors="surrogateescape")
     except OSError:
         return ""
+
+
+def waited(threads: Path = OWN_THREADS) -> float:
+    """Seconds that the threads of this process were ready to run and had no core; 0 where the system does not say.
+
+    Source: Linux, Documentation/scheduler/sched-stats.rst (schedstat, second field).
+    """
+    fields = [_text(thread / "schedstat").split() for thread in threads.glob("*")]
+    return 1e-9 * sum(int(each[1]) for each in fields if len(each) > 1)
 
 
 def peak_memory() -> int:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from copy import copy
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, Self, TypeVar
 
@@ -27,6 +28,8 @@ STRIP_ROWS = 32
 """Rows of samples a task: enough tasks to even out cheap and expensive rows, few enough that starting them
 costs nothing, and a strip's visibility buffer stays in the cache."""
 
+LAST_ROWS = 16
+"""Rows of samples of the smallest strip of those that shrink: as long as it takes, one thread may wait for another."""
 
 _LOADED: set[tuple[str, wp.Kernel]] = set()
 
@@ -109,7 +112,7 @@ class Launcher:
         inputs: Sequence[Any],
         *,
         each: int = 1,
-        strip: int = STRIP_ROWS,
+        strip: int = LAST_ROWS,
         n: int = 1,
         own: Callable[[int], Sequence[Any]] = lambda _: (),
     ) -> None:
@@ -119,9 +122,10 @@ class Launcher:
         strip alone: scratch of as many rows as are worked on at once. A launch is recorded once, copied for each of
         the launcher's threads, and started anew for each strip. strip: rows of samples that a strip has at least.
         """
-        strips = self._shares(rows, n, strip)
-        if not strips:
+        if rows == 0:
             return
+        alone = self.device != "cpu" or self.threads == 1
+        strips = _shrinking(rows, rows if alone else max(1, strip // n), self.threads)
         at_once = 1 if self.device == "cpu" else rows
         dims = [(-(-strip.rows // each), *width) for strip in strips]
         recorded = self.record(kernel, dims[0], [0, *inputs, *own(at_once)])
@@ -139,18 +143,6 @@ class Launcher:
             idle.append((command, dims[index]))
 
         self.each(range(len(strips)), run)
-
-    def _shares(self, rows: int, n: int, least: int) -> list[Strip]:
-        """Strips of whole multiples of `least` rows of samples, the first the largest: a half of what one thread
-        would get of the rest, so that there are few, and the last are small enough to even out the threads' ends."""
-        unit = max(1, least // n) if self.device == "cpu" else rows
-        shares, first = [], 0
-        while first < rows:
-            units = -(-(rows - first) // unit)
-            height = min(unit * max(1, units // (2 * self.threads)), rows - first)
-            shares.append(Strip(first, height))
-            first += height
-        return shares
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
@@ -172,6 +164,19 @@ class Launcher:
         """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""
         held = np.ascontiguousarray(values)
         return wp.array(held, dtype=dtype, device=self._on, copy=self.device != "cpu")
+
+
+@lru_cache(maxsize=256)
+def _shrinking(rows: int, unit: int, threads: int) -> tuple[Strip, ...]:
+    """Strips of whole multiples of `unit` rows: each a half of what one thread would get of the rest, so that there are
+    few, and the last are small enough to even out the threads' ends."""
+    strips, first = [], 0
+    while first < rows:
+        units = -(-(rows - first) // unit)
+        height = min(unit * -(-units // (2 * threads)), rows - first)
+        strips.append(Strip(first, height))
+        first += height
+    return tuple(strips)
 
 
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:

@@ -4,6 +4,7 @@ from rich.table import Table
 
 from swimlab.cli.terminal import print_whole
 from swimlab.runs.provenance import provenance
+from swimlab.studies.costs.serial import Serial
 from swimlab.studies.costs.study import Costs, Row
 
 
@@ -24,19 +25,39 @@ def print_costs(costs: Costs) -> None:
     )
     print_whole(table)
     serial = Table("serial share", title="One thread against two", box=None)
-    for heading in ("size", "1 thread, ms", "2 threads, ms", "share", "quartiles", "outside kernels", "cores busy"):
+    for heading in ("size", "1 thread, ms", "2 threads, ms", "by the clock", "quartiles"):
+        serial.add_column(heading, justify="right")
+    for heading in ("the program's", "quartiles", "kernels alone", "outside kernels", "cores busy"):
         serial.add_column(heading, justify="right")
     for each in costs.serial:
-        low, high = each.quartiles
-        outside = "–" if each.outside is None else f"{each.outside:.0%}"
-        cells = [f"{each.one_ms:.1f}", f"{each.two_ms:.1f}", f"{each.share:.0%}", f"{low:.0%} to {high:.0%}"]
-        serial.add_row(each.what, "{}x{}".format(*each.size), *cells, outside, f"{each.busy:.2f}")
+        serial.add_row(*_serial_cells(each))
     serial.caption_justify = "left"
     serial.caption = (
-        "Share: of the work, by the clock, what a second thread does not shorten (Amdahl); it means nothing while "
-        "other programs run. Outside kernels: of the time of one core, which is the most that is serial."
+        "By the clock: of the work, what a second thread does not shorten (Amdahl). The program's share of that: what "
+        "is done while the other thread has nothing to do; with a share of s expect 1/(s + (1 - s)/n) times the speed "
+        "on n cores, if the machine gives as much. Kernels alone: how many times as fast the machine runs the same "
+        "kernels on two threads, with nothing of the program between. Outside kernels: of the time of one core. "
+        "Shares by the clock mean nothing while other programs run, the program's share little."
     )
     print_whole(serial)
+
+
+def _serial_cells(each: Serial) -> list[str]:
+    own = ["–", "–"]
+    if each.own_share is not None and each.own_quartiles is not None:
+        own = [f"{each.own_share:.0%}", "{:.0%} to {:.0%}".format(*each.own_quartiles)]
+    return [
+        each.what,
+        "{}x{}".format(*each.size),
+        f"{each.one_ms:.1f}",
+        f"{each.two_ms:.1f}",
+        f"{each.share:.0%}",
+        "{:.0%} to {:.0%}".format(*each.quartiles),
+        *own,
+        "–" if each.gain is None else f"{each.gain:.2f}",
+        "–" if each.outside is None else f"{each.outside:.0%}",
+        f"{each.busy:.2f}",
+    ]
 
 
 def _cells(row: Row) -> list[str]:

@@ -1,5 +1,7 @@
 """The geometry of a frame: coverage, exact motion and depth of each pixel."""
 
+from typing import Any
+
 import warp as wp
 
 from metrics.kernels.launch import Strip
@@ -45,11 +47,16 @@ def describe_geometry(shot: Shot) -> Geometry:
 
 def seen_from(shot: Shot, before: View) -> Previous:
     """Another view of the sequence, usually the previous frame's, as kernels take it to find where a surface was."""
-    road = shot.sequence.scene.road
+    road, camera = shot.sequence.scene.road, shot.view.camera
     width, height = shot.sequence.size
+
+    def make() -> tuple[Any, Any]:
+        projection = wp.mat33d(*screen_projection(before.camera, height, width).ravel().tolist())
+        return projection, wp.vec3d(*(camera.eye(road) - before.camera.eye(road)).tolist())
+
     previous = Previous()
-    previous.projection = wp.mat33d(*screen_projection(before.camera, height, width).ravel().tolist())
-    previous.offset = wp.vec3d(*(shot.view.camera.eye(road) - before.camera.eye(road)).tolist())
+    eyes = road, camera, before.camera, width, height
+    previous.projection, previous.offset = shot.kept("eye before", eyes, make)
     previous.origin = wp.vec2d(*before.origin)
     previous.pitch = wp.vec2d(*before.pitch)
     return previous

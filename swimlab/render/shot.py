@@ -104,11 +104,15 @@ class Shot:
     @cached_property
     def sun(self) -> Any:
         """The light, as kernels take it (a Sun)."""
-        sun: Any = Sun()
         light = self.sequence.sun(self.frame)
-        sun.direction = wp.vec3(*light.direction)
-        sun.diffuse = light.diffuse
-        return sun
+
+        def make() -> Any:
+            sun: Any = Sun()
+            sun.direction = wp.vec3(*light.direction)
+            sun.diffuse = light.diffuse
+            return sun
+
+        return self._kept.get("sun", light, make)
 
     def grid(self, n: int = 1, *, jittered: bool = False) -> Any:
         """The frame's sample grid (a Grid) with n x n cells a pixel."""

@@ -75,7 +75,8 @@ def render_samples(
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher, triangles, grid = shot.launcher, shot.triangles, shot.grid(n, jittered=jittered)
     size = (shot.view.height, shot.view.width)
-    picture, error = launcher.empty(size, wp.vec4), launcher.empty(size if n > 1 else (0, 0), wp.vec4)
+    picture = launcher.empty(size, wp.vec4)
+    error = launcher.empty(size, wp.vec4) if n > 1 else picture  # to which nothing is written for one sample
     shaded = launcher.empty(shot.view.height, wp.int32)
     core = core_of(shot, texture_filter, inputs)
     given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments, picture, error, shaded]

@@ -6,14 +6,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from statistics import median
 from typing import NamedTuple
 
+from metrics.machine import waited
 from swimlab.studies.trials import Stage, Variant
 
 
 class Time(NamedTuple):
-    """Milliseconds by the clock, and of all cores together."""
+    """Milliseconds by the clock, and of all cores together; and those that threads were ready and had no core."""
 
     wall: float
     cpu: float
+    waited: float = 0.0
 
 
 Task = Callable[[int], Callable[[], object]]
@@ -48,11 +50,12 @@ def in_turns(tasks: Mapping[str, Task], rounds: int) -> dict[str, list[Time]]:
         shuffle(order)
         for label in order:
             run = tasks[label](turn)
+            before = waited()
             wall, cpu = time.perf_counter(), time.process_time()
             run()
-            spent = Time(1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - cpu))
+            wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
             if turn:
-                times[label].append(spent)
+                times[label].append(Time(1e3 * wall, 1e3 * cpu, 1e3 * (waited() - before)))
     return times
 
 

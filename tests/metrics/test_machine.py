@@ -21,6 +21,16 @@ def first_version(group, quota):
     return {f"{group}/cpu.cfs_quota_us": quota, f"{group}/cpu.cfs_period_us": "100000"}
 
 
+def test_waiting_for_a_core_is_summed_over_threads(tmp_path):
+    for thread, nanoseconds in (("1", 2_000_000), ("2", 500_000_000)):
+        (tmp_path / thread).mkdir()
+        (tmp_path / thread / "schedstat").write_text(f"7 {nanoseconds} 3\n", encoding="ascii")
+    (tmp_path / "3").mkdir()  # a thread that has ended
+    assert machine.waited(tmp_path) == pytest.approx(0.502)
+    assert machine.waited(tmp_path / "nothing") == 0.0
+    assert machine.waited() >= 0.0
+
+
 @pytest.mark.parametrize(
     ("own", "files", "allowed"),
     [

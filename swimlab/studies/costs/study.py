@@ -69,6 +69,7 @@ class Costs:
         plain = asdict(self)
         for held, serial in zip(plain["serial"], self.serial, strict=True):
             held |= {"share": serial.share, "quartiles": serial.quartiles}
+            held |= {"own_share": serial.own_share, "own_quartiles": serial.own_quartiles}
         return {"provenance": provenance(command)} | plain
 
 

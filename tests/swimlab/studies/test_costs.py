@@ -1,7 +1,9 @@
 """What `bench costs` holds: sums, units and shares; never how fast anything was."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +11,8 @@ from hypothesis import strategies as st
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.studies.costs import study
-from swimlab.studies.costs.serial import Serial, of_times, serial_share, serial_study
+from swimlab.studies.costs.parallel import WholeLauncher, parallel_tasks
+from swimlab.studies.costs.serial import Rounds, Serial, own_share, serial_share, serial_study
 from swimlab.studies.costs.watched import WatchedLauncher
 from swimlab.studies.costs.work import READS, Rates, Sight
 from swimlab.studies.trials import Variant
@@ -17,7 +20,7 @@ from swimlab.studies.turns import Time
 
 SMALL = load("road-shift").with_changes(size=(96, 64))
 WANTED = ("pixel-point", "pixel-bilinear", "pixel-aniso", "supersample", "vertex")
-NOTHING_SERIAL = Serial("measuring", (8, 8), 2.0, 1.0, [0.0], 0.1, 2.0)
+NOTHING_SERIAL = Serial("measuring", (8, 8), 2.0, 1.0, [0.0], [0.0], 2.0, 0.1, 2.0)
 
 
 @pytest.fixture(scope="module")
@@ -85,15 +88,39 @@ def test_amdahls_law_is_inverted(share, one, tolerance):
     assert serial_share(one, two) == pytest.approx(share, abs=tolerance("rounding"))
 
 
+@given(share=st.floats(0, 1), others=st.floats(0, 10))
+def test_what_others_take_is_not_the_programs_share(share, others, tolerance):
+    """Serial for S, and for P on two cores, while each thread waits for a core for a time besides."""
+    work = 10.0
+    wall = work * (share + (1 - share) / 2) + others
+    assert own_share(Time(wall, work, 2 * others)) == pytest.approx(share, abs=tolerance("rounding"))
+
+
 def test_shares_of_rounds_have_their_spread():
-    one, two = [Time(10.0, 9.0)] * 3, [Time(5.0, 10.0), Time(6.0, 9.0), Time(10.0, 10.0)]
-    found = of_times("x", (4, 2), one, two, [8.1, 8.1, 9.0])
+    one, two = [Time(10.0, 9.0)] * 3, [Time(5.0, 10.0), Time(6.0, 9.0), Time(10.0, 10.0, 5.0)]
+    found = Rounds(one, two, [8.1, 8.1, 9.0], [Time(20.0, 20.0)] * 3, [Time(10.0, 20.0)] * 3).serial("x", (4, 2))
     assert found.shares == pytest.approx([0.0, 0.2, 1.0])
     assert found.share == pytest.approx(0.2)
     assert found.quartiles[0] <= found.share <= found.quartiles[1]
-    assert (found.one_ms, found.two_ms, found.busy) == (10.0, 6.0, 1.5)
+    assert found.own == pytest.approx([0.0, 1 / 3, 0.5])
+    assert found.own_quartiles[0] <= found.own_share <= found.own_quartiles[1]
+    assert (found.one_ms, found.two_ms, found.busy, found.gain) == (10.0, 6.0, 1.5, 2.0)
     assert found.outside == pytest.approx(0.1)
-    assert of_times("x", (4, 2), one, two).outside is None
+    less = Rounds(one, two).serial("x", (4, 2))
+    assert less.outside is less.own is less.own_share is less.own_quartiles is less.gain is None
+
+
+def test_kernels_alone_draw_both_pictures_whole():
+    """Each of the two frames again, in its own picture, whichever way it is timed."""
+    with WholeLauncher() as launcher, ThreadPoolExecutor(1) as pool:
+        stage = study.Stage(SMALL, [0], samples=4, launcher=launcher)
+        variant = Variant("pixel-aniso", "pixel-aniso")
+        exact = stage.pictures(variant)[0].rgba
+        for task in parallel_tasks(stage, variant, launcher, pool):
+            picture = next(value for value in launcher.held[0].fwd_args if getattr(value, "shape", ()) == (64, 96))
+            picture.zero_()
+            task(0)()
+            assert np.array_equal(picture.numpy(), exact)
 
 
 def test_rates_are_nanoseconds():
@@ -104,8 +131,8 @@ def test_rendering_and_measuring_are_timed_on_one_thread_and_two():
     found = serial_study(SMALL, rounds=1, render_size=(64, 64), measure_size=(96, 80))
     assert [each.what for each in found] == ["pixel-point", "pixel-trilinear", "pixel-aniso", "vmf", "measuring"]
     assert all(each.one_ms > 0 and each.two_ms > 0 and each.busy > 0 for each in found)
-    assert all(0 < each.outside < 1 for each in found[:-1])
-    assert found[-1].outside is None
+    assert all(0 < each.outside < 1 and each.gain > 0 and len(each.own) == 1 for each in found[:-1])
+    assert found[-1].outside is found[-1].gain is found[-1].own is None
 
 
 def test_costs_are_printed(swimlab, monkeypatch, costs):
@@ -121,7 +148,9 @@ def test_costs_are_printed(swimlab, monkeypatch, costs):
     assert (found["sequence"], found["size"]) == ("road-shift", [96, 64])
     contract = {"label", "technique", "settings", "cpu_ms", "wall_ms", "outside_ms", "ratio", "shaded"}
     assert all(contract <= set(row) for row in found["rows"])
-    assert {"share", "quartiles", "outside", "one_ms", "two_ms"} <= set(found["serial"][0])
+    assert {"share", "quartiles", "own_share", "own_quartiles", "gain", "outside", "one_ms", "two_ms"} <= set(
+        found["serial"][0]
+    )
 
 
 def test_a_bad_number_of_rounds_is_refused(swimlab):
