@@ -8,16 +8,16 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from metrics.kernels.launch import Launcher, Strip
+from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Ints, Layout
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
-from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with
+from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with, see_scene
 from swimlab.render.kernels.tiles import TILE_LEVEL, light_tiles, reduce_coarse
 from swimlab.render.shot import Shot
 from swimlab.render.texture import MipChain
-from swimlab.render.triangles import Charts, in_texture, narrowest, visibility
+from swimlab.render.triangles import Charts, in_texture, narrowest
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,11 @@ class Screen:
     def of(shot: Shot, anisotropy: int) -> "Screen":
         """Rasterise the screen once."""
         launcher, height, width = shot.launcher, shot.view.height, shot.view.width
-        visible = launcher.empty((height, width), wp.int32)
-        grid, triangles = shot.grid(), shot.triangles
-
-        def fill(strip: Strip) -> None:
-            rows = visible[strip.first : strip.first + strip.rows]
-            visibility(launcher, triangles, grid, strip, into=rows)
-
-        launcher.each(launcher.strips(height), fill)
-        owner = shot.mesh.segments
-        hits = np.bincount(visible.numpy().ravel() + 1, minlength=len(owner) + 1)[1:]
-        segments = np.unique(owner[hits > 0])
+        visible, owner, triangles = launcher.empty((height, width), wp.int32), shot.mesh.segments, shot.triangles
+        seen = launcher.zeros(len(owner), wp.int32)
+        inputs = [shot.grid(), triangles.edges, triangles.planes, triangles.bounds, visible, seen]
+        launcher.over(height, see_scene, (), inputs)
+        segments = np.unique(owner[seen.numpy() > 0])
         place = np.searchsorted(segments, owner)
         found = place < len(segments)
         found[found] = segments[place[found]] == owner[found]
@@ -58,18 +52,17 @@ class Screen:
     def read(self, layout: Layout) -> Ints:
         """The finest level that pasting reads of each tile, [entries]; NEVER where it reads nothing."""
         launcher, shot = self.shot.launcher, self.shot
-        strips = launcher.strips(shot.view.height)
-        need = launcher.array(np.full((len(strips), layout.entries), NEVER), wp.int32)
         atlas = layout.on(launcher, launcher.empty(0, wp.int32), self.targets)
         kernel = mark_with(marking(self.anisotropy).on(launcher.device))
-        grid, planes = shot.grid(), shot.triangles.planes
+        needs: list[Any] = []
 
-        def fill(index: int) -> None:
-            strip = strips[index]
-            launcher.launch(kernel, strip.rows, [strip.first, grid, self.visible, planes, atlas, need[index]])
+        def another(_: int) -> list[Any]:
+            needs.append(launcher.array(np.full(layout.entries, NEVER), wp.int32))
+            return needs[-1:]
 
-        launcher.each(range(len(strips)), fill)
-        found = need.numpy().min(axis=0).astype(np.int64)
+        inputs = [shot.grid(), self.visible, shot.triangles.planes, atlas]
+        launcher.over(shot.view.height, kernel, (), inputs, own=another)
+        found = np.min([need.numpy() for need in needs], axis=0).astype(np.int64)
         # Texels larger than a triangle may miss it, so they are shaded at a finer level and reduced.
         texels = narrowest(shot.mesh, layout.segments) * layout.widths
         coarsest = np.array([max(0, floor(log2(extent))) for extent in texels.tolist()], np.int64)
@@ -78,7 +71,7 @@ class Screen:
     def paste(self, atlas: Any, texels: Any) -> Any:
         """The picture [H, W] on the device: the light is the texture."""
         launcher, shot = self.shot.launcher, self.shot
-        picture = launcher.zeros((shot.view.height, shot.view.width), wp.vec4)
+        picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
         kernel = paste_with(paged(self.anisotropy).on(launcher.device))
         inputs = [shot.grid(), self.visible, shot.triangles.planes, atlas, texels, shot.sun, picture]
         launcher.over(shot.view.height, kernel, (), inputs)

@@ -11,9 +11,10 @@ import warp as wp
 from metrics.kernels.forms import Twins, form
 from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, packet_end, rows_of
-from swimlab.render.kernels.samples import gathering
+from swimlab.render.kernels.raster import see_row
+from swimlab.render.kernels.samples import blanking, gathering
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
-from swimlab.render.kernels.structs import LANES, Grid, Pages, Planes, Sun
+from swimlab.render.kernels.structs import LANES, Edges, Grid, Pages, Planes, Sun
 from swimlab.render.kernels.texture_filter import ANISOTROPIC_PROBES, LOG2
 
 NEVER = 127
@@ -170,6 +171,26 @@ def unpremultiplication() -> Twins:
     return Twins(divide, UNPREMULTIPLY, 4)
 
 
+@wp.kernel(enable_backward=False)
+def see_scene(
+    first_row: wp.int32,
+    grid: Grid,
+    edges: wp.array(dtype=Edges),
+    planes: wp.array(dtype=Planes),
+    bounds: wp.array(dtype=wp.vec2d),
+    visible: wp.array2d(dtype=wp.int32),
+    seen: wp.array(dtype=wp.int32),
+):
+    """Fill rows of a visibility buffer, one thread a row; `seen`, 0 before, gets 1 for each triangle in them."""
+    j = first_row + wp.tid()
+    see_row(j, j, grid, edges, planes, bounds, visible)
+    x = wp.int32(0)
+    while x < grid.width:
+        if visible[j, x] >= 0:
+            seen[visible[j, x]] = 1
+        x = packet_end(visible, j, x, grid.width)
+
+
 LIGHT_LANES = LANES * rows_of(4)
 
 
@@ -177,7 +198,7 @@ LIGHT_LANES = LANES * rows_of(4)
 def mark_with(mark: wp.Function) -> wp.Kernel:
     """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
 
-    On the CPU rows that are marked at the same time need a `need` each.
+    On the CPU rows that are marked at the same time need a `need` each, which says NEVER before.
     """
     locate = locate_before(4).native
 
@@ -209,6 +230,7 @@ def mark_with(mark: wp.Function) -> wp.Kernel:
 def paste_with(fill: wp.Function) -> wp.Kernel:
     """The kernel that fills rows of a picture from the targets: the light is the texture. One thread a row."""
     locate, gather, unpremultiply = locate_before(4).native, gathering().native, unpremultiplication().native
+    blank = blanking().native
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
@@ -222,6 +244,7 @@ def paste_with(fill: wp.Function) -> wp.Kernel:
         picture: wp.array2d(dtype=wp.vec4),
     ):
         j = first_row + wp.tid()
+        blank(picture, j)
         lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
         places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         x = wp.int32(0)
