@@ -22,7 +22,7 @@ from swimlab.studies.panels import Panel, panels
 from swimlab.studies.speed import growth
 from swimlab.studies.speed import report as speed_report
 from swimlab.studies.speed import settings as speed
-from swimlab.studies.speed.peers import read_peers, section, verdict
+from swimlab.studies.speed.peers import read_peers, section
 from swimlab.studies.trials import Trial, Variant
 from swimlab.studies.turns import Time, cpu, in_turns, share, wall
 
@@ -175,10 +175,10 @@ def spread(value):
     return {"median": value, "low": value, "high": value}
 
 
-def peer_report(by_clock, by_cores, rate=200.0):
-    ratio = {"this": "tsl", "that": "peer", "limit": 1.0, "wall": spread(by_clock), "cpu": spread(by_cores)}
+def peer_report(by_clock, by_cores, by="cores"):
+    ratio = {"this": "tsl", "that": "peer", "wall": spread(by_clock), "cpu": spread(by_cores)}
     timed = {"ms": spread(1.0), "cpu_ms": spread(2.0), "rms": 0.1}
-    rates = {"million_samples_a_second": {"wall": spread(rate), "cpu": spread(rate)}}
+    rates = {"million_samples_a_second": {"wall": spread(150.0), "cpu": spread(200.0)}}
     return {
         "machine": "a machine",
         "versions": {"peer": "1.0"},
@@ -187,26 +187,27 @@ def peer_report(by_clock, by_cores, rate=200.0):
         "covered": 0.6,
         "truth_error": 0.01,
         "results": {"tsl": timed, "peer": timed, "reference": timed | rates},
-        "targets": [ratio],
+        "targets": [ratio | {"limit": 1.0, "by": by}],
         "ratios": [ratio],
-        "rate": 150.0,
     }
 
 
 @pytest.mark.parametrize(
-    ("by_clock", "by_cores", "rate", "words", "met"),
+    ("by_clock", "by_cores", "by", "words", "met"),
     [
-        (0.9, 0.8, 200.0, "met", 2),
-        (1.1, 0.8, 200.0, "met by the cores alone", 1),
-        (0.9, 1.2, 100.0, "met by the clock alone", 0),
-        (1.1, 1.2, 200.0, "**not met**", 1),
+        (1.1, 1.0, "cores", "met", 1),
+        (0.9, 1.2, "cores", "**not met**", 0),
+        (0.9, 1.2, "clock", "met", 1),
+        (1.1, 0.8, "clock", "**not met**", 0),
     ],
 )
-def test_targets_against_peers_are_judged(by_clock, by_cores, rate, words, met):
-    parts = section(peer_report(by_clock, by_cores, rate)).parts
-    assert f"**{met} of 2 targets are met**" in parts[0]
-    assert parts[1].rows[0][-1] == words == verdict(by_clock <= 1, by_cores <= 1)
+def test_targets_against_peers_are_judged_by_what_is_asked(by_clock, by_cores, by, words, met):
+    parts = section(peer_report(by_clock, by_cores, by)).parts
+    assert f"**{met} of 1 targets are met**" in parts[0]
+    assert parts[1].rows[0][-2:] == [f"≤ 1 by the {by}", words]
+    assert parts[1].rows[0][:6] == parts[3].rows[0]
     assert [line[0] for line in parts[5].rows] == ["`tsl`", "`peer`", "`reference`"]
+    assert [line[-1] for line in parts[5].rows] == [None, None, 150.0]
 
 
 def test_a_comparison_that_cannot_be_read_is_named(tmp_path):
