@@ -13,6 +13,7 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.launch import STRIP_ROWS
 from sequences import View
 from swimlab.render.geometry import seen_from
 from swimlab.render.inputs import BOX
@@ -114,7 +115,14 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
     picture = launcher.empty(size, wp.vec4)
     resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
     inputs = [settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
-    launcher.over(view.height, resolve, (), inputs, own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)])
+    launcher.over(
+        view.height,
+        resolve,
+        (),
+        inputs,
+        strip=STRIP_ROWS,  # rows cost much the same, so few strips do
+        own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)],
+    )
     return History(step, picture, nearness, shaded)
 
 
