@@ -118,14 +118,16 @@ class Launcher:
     ) -> None:
         """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
 
-        Its dim is (rows, *width), or a kernel's thread takes `each` rows. `own(rows)` makes the last inputs, for a
-        strip alone: scratch of as many rows as are worked on at once. A launch is recorded once, copied for each of
-        the launcher's threads, and started anew for each strip. strip: rows of samples that a strip has at least.
+        Its dim is (rows, *width), or a kernel's thread takes `each` rows, of which strips are whole multiples.
+        `own(rows)` makes the last inputs, for a strip alone: scratch of as many rows as are worked on at once. A launch
+        is recorded once, copied for each of the launcher's threads, and started anew for each strip. strip: rows of
+        samples that a strip has at least.
         """
         if rows == 0:
             return
         alone = self.device != "cpu" or self.threads == 1
-        strips = _shrinking(rows, rows if alone else max(1, strip // n), self.threads)
+        least = each * -(-max(1, strip // n) // each)
+        strips = _shrinking(rows, rows if alone else least, self.threads)
         at_once = 1 if self.device == "cpu" else rows
         dims = [(-(-strip.rows // each), *width) for strip in strips]
         recorded = self.record(kernel, dims[0], [0, *inputs, *own(at_once)])

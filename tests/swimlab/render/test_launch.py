@@ -79,6 +79,26 @@ def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
         assert (times.numpy() == 1).all()
 
 
+GROUP = 24
+
+
+@wp.kernel(enable_backward=False)
+def count_groups(first_row: wp.int32, times: wp.array2d(dtype=wp.int32)):
+    start = first_row + wp.static(GROUP) * wp.tid()
+    for row in range(start, wp.min(start + wp.static(GROUP), times.shape[0])):
+        times[row, 0] += start
+
+
+@settings(derandomize=True, max_examples=30, deadline=None)
+@given(rows=st.integers(1, 700))
+def test_rows_that_a_kernel_takes_together_stay_together(launchers, rows):
+    """However many strips, each group of rows begins where it would in one."""
+    for launcher in launchers:
+        times = launcher.zeros((rows, 1), wp.int32)
+        launcher.over(rows, count_groups, (), [times], each=GROUP)
+        assert np.array_equal(times.numpy()[:, 0], np.arange(rows) // GROUP * GROUP)
+
+
 def test_every_item_is_worked_on_once(launcher):
     done, lock = [], threading.Lock()
 
