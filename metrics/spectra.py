@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from metrics.lazy import lazy
 from metrics.parts import pieces
 from metrics.spans import Span
 from metrics.tiles import Level
@@ -99,22 +99,22 @@ class Batch:
         """[L, L/2 + 1], the spectrum of a constant picture of value 1."""
         return self.transform.constant
 
-    @cached_property
+    @lazy
     def test(self) -> Spectrum:
         """[n, 3, L, L/2 + 1]."""
         return self._seen[0]
 
-    @cached_property
+    @lazy
     def error(self) -> Spectrum | None:
         """The same of the test minus the reference, if there is one."""
         error = self.pictures.error
         return None if error is None else self.transform.seen(error, self.tiles)[0]
 
-    @cached_property
+    @lazy
     def reference(self) -> Spectrum | None:
         return None if self.error is None else self.test - self.error
 
-    @cached_property
+    @lazy
     def followed(self) -> Followed:
         """How the spectra go on from the frame before: to be asked for in every frame, or in none."""
         return self.course.follow(self)
@@ -133,7 +133,7 @@ class Batch:
         blocks = self.transform.blocks(half, self.tiles).reshape(self.tiles.stop - self.tiles.start, -1)
         return np.asarray(np.vecdot(blocks, blocks), dtype=np.float64)
 
-    @cached_property
+    @lazy
     def _seen(self) -> tuple[Spectrum, Picture]:
         return self.transform.seen(self.pictures.test, self.tiles)
 
