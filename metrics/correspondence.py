@@ -14,7 +14,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.geometry import Field, Geometry, Mask, Surface
-from metrics.kernels.edges import claim, find_smooth, land
+from metrics.kernels.edges import claim, find_smooth, land_rows
 from metrics.kernels.follow import steps
 from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
 from metrics.kernels.interpolation import Splines, taken
@@ -172,7 +172,7 @@ class Correspondence:
     def _land(self, inner: Mask, away: Any, usable: Any) -> None:
         launcher = self._launcher
         landing = launcher.view(inner.view(np.uint8), wp.uint8)
-        launcher.over(away.shape[0], land, (), [landing, 0, away, 1 / SHRINK, usable])
+        launcher.over(away.shape[0], land_rows(launcher.device), (), [landing, 0, away, 1 / SHRINK, usable])
 
     def _glued(self, kernel: wp.Kernel, motion: Any, nearer: Field) -> Field:
         """Where what a frame sees is in the middle frame, from where what its neighbour sees is."""

@@ -121,7 +121,7 @@ class Pixels:
         pair = [False, here, motion, motion]
         if owner is not None and before is not None:
             pair = [True, launcher.view(before, wp.float32), motion, owner]
-        launcher.over(down, sum_blocks, (right,), [cell, *masks, here, *pair, ALIKE, sums], strip=1)
+        launcher.over(down, sum_blocks(launcher.device), (right,), [cell, *masks, here, *pair, ALIKE, sums], strip=1)
         return dict(zip(COLUMNS, np.moveaxis(sums.numpy(), 2, 0), strict=True))
 
 

@@ -53,6 +53,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "native filter against plain": Tolerance(2e-5, "of 1; float logarithm: lod to 1e-6; float uv of 3 to 1e-5 texel"),
     "native specular-aa, relative": Tolerance(2e-3, "of 1 + power; normals to 1e-6 where a^2 is as small as 1e-4"),
     "native spline against plain": Tolerance(1e-5, "of values in 0..1; 36 taps and recursions in another order"),
+    "native pairs against plain": Tolerance(1e-5, "of squares in 0..1; 16 taps in another order"),
     "native places against plain": Tolerance(2e-4, "px; the last step of an iteration that ends at 1e-4 px"),
     "native waves against plain": Tolerance(1e-5, "of unit variance; a polynomial of the cosine, float32 turns"),
     "a GPU against the CPU": Tolerance(1e-4, "relative rms; plain forms, fused multiply-adds of the device"),

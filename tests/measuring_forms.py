@@ -137,6 +137,49 @@ def glued_ahead(launcher, shoot, ahead, width):
         yield away.numpy()
 
 
+def landed(launcher, shoot, land, width):
+    """Two rows, most of which land, some of them beside the picture, on what is not inner, or much smaller."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(inner: wp.array2d(dtype=wp.uint8), away: wp.array2d(dtype=wp.vec2), usable: wp.array2d(dtype=wp.uint8)):
+        land(wp.tid(), inner, 3, away, 0.5, usable)
+
+    random = np.random.default_rng(0)
+    inner = launcher.array((random.random((9, 50)) < 0.8).view(np.uint8), wp.uint8)
+    for spread in (0.05, 0.5, 5.0):
+        away = launcher.array(random.uniform(-spread, spread, (2, 50, 2)), wp.vec2)
+        usable = launcher.array((random.random((2, 50)) < 0.9).view(np.uint8), wp.uint8)
+        launcher.launch(kernel, 2, [inner, away, usable])
+        assert not usable.numpy().all()
+        assert usable.numpy().any() or spread > 1
+        yield usable.numpy()
+
+
+def compared(launcher, shoot, compare, width):
+    """Every pixel of a frame, with surfaces that are alike, that are not, and that are unknown, past all edges."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        frame: wp.array3d(dtype=wp.float32),
+        before: wp.array3d(dtype=wp.float32),
+        motion: wp.array2d(dtype=wp.vec2),
+        owner: wp.array2d(dtype=wp.vec2),
+        found: wp.array2d(dtype=wp.vec4),
+    ):
+        row, column = wp.tid()
+        found[row, column] = compare(frame, before, motion[row, column], owner, 0.3, row, column)
+
+    random = np.random.default_rng(0)
+    frames = [launcher.array(random.random((3, 12, 30), np.float32), wp.float32) for _ in range(2)]
+    moved = np.where(random.random((12, 30, 1)) < 0.8, (1.3, -0.6), (-2.0, 3.0)).astype(np.float32)
+    owner = np.where(random.random((12, 30, 1)) < 0.1, np.float32(np.nan), moved)
+    found = launcher.empty((12, 30), wp.vec4)
+    fields = [launcher.array(each, wp.vec2) for each in (moved, owner)]
+    launcher.launch(kernel, (12, 30), [*frames, *fields, found])
+    assert 0.2 < found.numpy()[..., 0].mean() < 0.9
+    yield found.numpy()
+
+
 def waves(launcher, shoot, sum_waves, width):
     """Three waves, seen at places up to 100 px away."""
 
@@ -271,6 +314,8 @@ RUNS = {
     ("line", "field", "later", "away"): glued_back,
     ("line", "motion", "earlier", "away"): glued_ahead,
     ("line", "picture", "away", "usable", "top", "seen"): unwarped,
+    ("line", "inner", "top", "away", "shortest", "usable"): landed,
+    ("frame", "before", "moved", "owner", "alike", "row", "column"): compared,
     ("row", "across", "along", "frequency", "amplitude", "away", "values"): waves,
     ("index", "picture", "corners", "window", "levelling", "phase", "spectra", "mean"): transformed,
     ("tile", "spectra", "octaves", "energies"): summed,

@@ -5,6 +5,10 @@ A thread takes a row of pixels: to find its pixel would cost one that takes a pi
 
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
+from metrics.kernels.lanes import VECTORS
+from metrics.kernels.making import made_once
+
 wp.set_module_options({"enable_backward": False})
 
 
@@ -45,20 +49,86 @@ def lands(
     return inner[y, x] != wp.uint8(0) and least > shortest * shortest
 
 
-@wp.kernel
-def land(
-    first: wp.int32,
-    inner: wp.array2d(dtype=wp.uint8),
-    top: wp.int32,
-    away: wp.array2d(dtype=wp.vec2),
-    shortest: wp.float32,
-    usable: wp.array2d(dtype=wp.uint8),
-):
-    """Usable only what `lands`."""
-    line = first + wp.tid()
-    for column in range(away.shape[1]):
-        if usable[line, column] != wp.uint8(0) and not lands(inner, top, away, shortest, line, column):
-            usable[line, column] = wp.uint8(0)
+_LAND = """
+    const int width = away.shape[1], last = away.shape[0] - 1;
+    unsigned char* const kept = (unsigned char*)usable.data + (long)line*width;
+    const auto row = [&](int which) { return (const float*)away.data + 2*(long)which*width; };
+    const float* const here = row(line);
+    const int above = line > 0 ? line - 1 : 0, below = line < last ? line + 1 : last;
+    const float down_steps = below > above ? (float)(below - above) : 1.0f;
+    for (int column = 0; column < width; column += L) {
+        const int n = width - column < L ? width - column : L;
+        bool some = false;
+        for (int k = 0; k < n; ++k) some |= kept[column + k] != 0;
+        if (!some) continue;
+        lanes left_x, left_y, right_x, right_y, up_x, up_y, down_x, down_y, steps = 2.0f;
+        if (column > 0 && column + L < width) {
+            split(here + 2*(column - 1), L, left_x, left_y);
+            split(here + 2*(column + 1), L, right_x, right_y);
+        } else for (int k = 0; k < L; ++k) {
+            const int c = column + (k < n ? k : n - 1), before = c > 0 ? c - 1 : 0, after = c < width - 1 ? c + 1 : c;
+            left_x[k] = here[2*before];
+            left_y[k] = here[2*before + 1];
+            right_x[k] = here[2*after];
+            right_y[k] = here[2*after + 1];
+            steps[k] = after > before ? (float)(after - before) : 1.0f;
+        }
+        split(row(above) + 2*column, n, up_x, up_y);
+        split(row(below) + 2*column, n, down_x, down_y);
+        const lanes across_x = (right_x - left_x)/steps + 1.0f, across_y = (right_y - left_y)/steps;
+        const lanes along_x = (down_x - up_x)/down_steps, along_y = (down_y - up_y)/down_steps + 1.0f;
+        const lanes sum = (across_x*across_x + across_y*across_y) + (along_x*along_x + along_y*along_y);
+        const lanes area = across_x*along_y - across_y*along_x, apart = sum*sum/4.0f - area*area;
+        const lanes least = sum/2.0f - __builtin_elementwise_sqrt(__builtin_elementwise_max(apart, (lanes)0.0f));
+        for (int k = 0; k < n; ++k) {
+            if (!kept[column + k]) continue;
+            const int x = column + k + (int)__builtin_rintf(here[2*(column + k)]);
+            const int y = top + line + (int)__builtin_rintf(here[2*(column + k) + 1]);
+            const bool within = x >= 0 && y >= 0 && x < inner.shape[1] && y < inner.shape[0];
+            if (!within || !((const unsigned char*)inner.data)[(long)y*inner.shape[1] + x]
+                || !(least[k] > shortest*shortest)) kept[column + k] = 0;
+        }
+    }
+"""
+
+
+@form()
+def row_landing() -> Twins:
+    """The function that leaves usable of a row only what `lands`."""
+
+    @wp.func(module="unique")
+    def land(
+        line: wp.int32,
+        inner: wp.array2d(dtype=wp.uint8),
+        top: wp.int32,
+        away: wp.array2d(dtype=wp.vec2),
+        shortest: wp.float32,
+        usable: wp.array2d(dtype=wp.uint8),
+    ):
+        for column in range(away.shape[1]):
+            if usable[line, column] != wp.uint8(0) and not lands(inner, top, away, shortest, line, column):
+                usable[line, column] = wp.uint8(0)
+
+    return Twins(land, VECTORS + _LAND)
+
+
+@made_once
+def land_rows(device: str) -> wp.Kernel:
+    """The kernel that runs `row_landing`, a row a thread."""
+    land = row_landing().on(device)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first: wp.int32,
+        inner: wp.array2d(dtype=wp.uint8),
+        top: wp.int32,
+        away: wp.array2d(dtype=wp.vec2),
+        shortest: wp.float32,
+        usable: wp.array2d(dtype=wp.uint8),
+    ):
+        land(first + wp.tid(), inner, top, away, shortest, usable)
+
+    return kernel
 
 
 @wp.func
