@@ -20,7 +20,7 @@ CHUNK = 4
 """Frames at most that a piece of tiles is followed through while it stays in the cache."""
 
 # Share of the memory for two chunks of frames.
-_FRAMES = 0.2
+_FRAMES = 0.1
 
 # Bytes a pixel while a frame is read, and while it is unwarped.
 _READING = 60.0

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from metrics import Clip, Measurement, align, measure
 from metrics.clip import FrameSource
 from metrics.machine import peak_memory
+from metrics.score import MEMORY
 from metrics.spans import Placement, Span
 from metrics.spectra import Batch, Pictures
 from metrics.sweep import Sweep
@@ -52,7 +53,7 @@ def time_measures(
     frames: int,
     *,
     threads: int | None = None,
-    memory: float = 1.0e9,
+    memory: float | None = None,
     advance: Callable[[str], None] = lambda _: None,
 ) -> list[Timing]:
     """Time the measures on a wholly covered clip of noise, test against reference.
@@ -75,7 +76,7 @@ def time_measures(
             picture = test.planes(place.t)
             return Pictures(picture, picture - reference.planes(place.t))
 
-        with Sweep([_Spectra()], read, pictures=2, memory=memory, threads=threads) as sweep:
+        with Sweep([_Spectra()], read, pictures=2, memory=memory or MEMORY, threads=threads) as sweep:
             for span in align(test, keep=False).spans:
                 sweep.run(span, lambda _: None, lambda _: None)
 
