@@ -1,14 +1,38 @@
 """Several builds of one shot, opened side by side: the same frames, one reference, one motion."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
+from swimlab.footage.opened import Opened
 from swimlab.footage.pattern import frame_range
 from swimlab.footage.request import Request
 from swimlab.footage.subject import Subject
 from swimlab.runs.frames import FrameError
 
 Say = Callable[[str], None]
+
+
+def of_same_frames(requests: Mapping[str, Request]) -> dict[str, Request]:
+    """Requests of builds by name, each without the frames that are bad in another, where bad frames are left out.
+
+    All frames are read for that. Raises FrameError as `Opened` does, naming the build.
+    """
+    if len(requests) == 1 or not any(request.skip_bad_frames for request in requests.values()):
+        return dict(requests)
+    bad: dict[str, frozenset[int]] = {}
+    for name, request in requests.items():
+        try:
+            bad[name] = Opened(replace(request, left_out=()), lambda _: None, lambda _: None).bad
+        except FrameError as error:
+            raise FrameError(f"{name}: {error}") from error
+    return {
+        name: replace(
+            request,
+            left_out=tuple((other, tuple(sorted(more))) for other in bad if (more := bad[other] - bad[name])),
+        )
+        for name, request in requests.items()
+    }
 
 
 def open_builds(
@@ -54,12 +78,6 @@ def _match(name: str, subject: Subject, other: str, first: Subject) -> None:
     if subject.fps != first.fps:
         raise FrameError(
             f"{name}: has {subject.fps:g} frames a second, {other} {first.fps:g}; say the shot's rate with fps"
-        )
-    if subject.kept != first.kept:
-        left = frame_range([mine.reader.numbers[index] for index in sorted({*subject.kept} ^ {*first.kept})])
-        raise FrameError(
-            f"{name}: frames {left} can be measured of it or of {other} alone; builds of one shot are measured in the "
-            "same frames: leave these out with frames"
         )
     read, reads = (each.reference.reading if each.reference else None for each in (subject, first))
     if read != reads:

@@ -28,8 +28,9 @@ class Request:
     vectors alone or in the frames alone, as motion_jitter_in says. look: how the test is read, and the reference where
     neither reference_look nor its files say otherwise; its crop is of all. motion_part: of the files of vectors.
     depth: files of depth, m, with their channel (None: found) and part.
-    frames: range for names without one of their own. skip_bad_frames: leave out what cannot be measured. unverified:
-    measure though the motion does not fit the frames.
+    frames: range for names without one of their own. skip_bad_frames: leave out what cannot be measured. left_out:
+    other builds of the shot, each with the numbers of the frames that are bad in it and are left out here, too.
+    unverified: measure though the motion does not fit the frames.
     """
 
     test: str
@@ -55,6 +56,7 @@ class Request:
     domain: Domain = "linear"
     display: Display = STANDARD
     skip_bad_frames: bool = False
+    left_out: tuple[tuple[str, tuple[int, ...]], ...] = ()
     unverified: bool = False
     pixels_per_degree: float | None = None
     luminance: float | None = None

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from swimlab.footage.brought import record_of, settings_of
-from swimlab.footage.builds import open_builds
+from swimlab.footage.builds import of_same_frames, open_builds
 from swimlab.footage.request import Request
 from swimlab.footage.sources import Inputs, check_unchanged, files_of, find_inputs, hash_inputs
 from swimlab.footage.subject import Subject
@@ -48,6 +48,7 @@ def measure_brought(
     measured.
     """
     found = find_inputs(requests)
+    requests = of_same_frames(requests)
     if run is None:
         builds = open_builds(requests, say, warn)
         begin(builds)

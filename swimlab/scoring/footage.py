@@ -148,7 +148,7 @@ def _settings(subject: Subject) -> dict[str, Any]:
     chosen |= _said({"motion_part": motion_part} | {name: chosen.pop(name) for name in of_masks})
     depth = {name: chosen.pop(name) for name in ("depth", "depth_channels", "depth_part")}
     chosen |= {"depth": True} | _said({key: depth[key] for key in depth if key != "depth"}) if depth["depth"] else {}
-    for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display"):
+    for part_of_command in ("test", "reference", "mask", "motion_mask", "unverified", "display", "left_out"):
         chosen.pop(part_of_command)
     spaces = {source.space for source in (subject.test, subject.reference) if source is not None}
     if spaces - {AS_STORED, SRGB} and (colour := configuration()) is not None:

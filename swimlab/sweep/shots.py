@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swimlab.footage.brought import from_anywhere
+from swimlab.footage.builds import of_same_frames
 from swimlab.footage.keys import as_keys
 from swimlab.footage.request import Request
 from swimlab.footage.sources import Inputs, files_of, find_inputs, hash_inputs
@@ -30,14 +31,18 @@ class Shots:
 
     def __init__(self, asked: Iterable[Asked]) -> None:
         """Files are hashed. Raises FrameError for those that are not there, RunError where builds can have no key."""
-        self.asked = [each._replace(requests=_absolute(each.requests)) for each in asked]
+        self.asked: list[Asked] = []
         self.inputs: dict[str, Inputs] = {}
         self.keys: dict[str, dict[str, str]] = {}
         self.builds: dict[str, Build] = {}
         known: dict[str, Mapping[str, Any]] = {}
-        for name, requests, run in self.asked:
+        for name, given, run in asked:
+            whole = _absolute(given)
             known |= files_of(Record.read(run).inputs) if (run / "run.json").is_file() else {}
-            inputs = self.inputs[name] = hash_inputs(find_inputs(requests), known)
+            found = find_inputs(whole)
+            requests = of_same_frames(whole)
+            self.asked.append(Asked(name, requests, run))
+            inputs = self.inputs[name] = hash_inputs(found, known)
             known |= files_of(inputs)
             keys = self.keys[name] = keys_of_builds(requests, inputs, device="cpu")
             if not keys:

@@ -243,19 +243,34 @@ def test_builds_that_read_the_reference_differently_are_refused(swimlab, shot):
     assert swimlab("study", path, "-o", shot / "spaces", "-q")[0] == 0
 
 
-def test_builds_of_other_rates_or_good_frames_are_refused(swimlab, shot):
-    one, other = shot / "bad.toml", shot / "rates.toml"
-    (shot / "blink" / "f.0002.exr").write_bytes(b"no picture")
-    one.write_text(SHOT.replace("fps = 30", "fps = 30\nskip_bad_frames = true"), encoding="utf-8")
-    code, _, err = swimlab("study", one, "-o", shot / "bad", "-q")
-    assert (code, "blink: frames 2 can be measured of it or of glued alone" in err) == (2, True)
+def test_builds_of_other_rates_are_refused(swimlab, shot):
     for t in range(COUNT):
         pixels = (3 + waves(t, 1)).astype(np.float32) / 8
         rate = {"FramesPerSecond": 24.0}
         write_channels(shot / "blink" / f"f.{t:04d}.exr", pixels, ("R", "G", "B"), half=False, metadata=rate)
-    other.write_text(SHOT.replace("fps = 30\n", ""), encoding="utf-8")
-    code, _, err = swimlab("study", other, "-o", shot / "rates", "-q")
+    (shot / "rates.toml").write_text(SHOT.replace("fps = 30\n", ""), encoding="utf-8")
+    code, _, err = swimlab("study", shot / "rates.toml", "-o", shot / "rates", "-q")
     assert (code, "blink: has 24 frames a second, glued 60" in err) == (2, True)
+
+
+def test_a_frame_that_is_bad_in_one_build_is_left_out_of_all(swimlab, shot):
+    """Scores are those of the good frames alone, as if the shot had been told of them."""
+    (shot / "blink" / "f.0000.exr").write_bytes(b"no picture")
+    (shot / "skip.toml").write_text(SHOT.replace("fps = 30", "fps = 30\nskip_bad_frames = true"), encoding="utf-8")
+    (shot / "told.toml").write_text(SHOT.replace("fps = 30", 'fps = 30\nframes = "1-5"'), encoding="utf-8")
+    found = {}
+    for name in ("skip", "told"):
+        code, _, err = swimlab("study", shot / f"{name}.toml", "-o", shot / name)
+        assert code == 0, err
+        if name == "skip":
+            assert "glued: 1 bad frame is left out, as in blink: 0" in err
+            assert "blink: 1 bad frame is left out: 0" in err
+        found[name] = json.loads((shot / name / "scores.json").read_text(encoding="utf-8"))["sequences"]
+    for skipped, told in zip(found["skip"], found["told"], strict=True):
+        assert [row["frame"] for row in skipped["frames"]] == list(range(1, COUNT))
+        assert skipped["scores"] == told["scores"]
+    code, _, err = swimlab("report", shot / "skip")
+    assert code == 0, err
 
 
 @pytest.mark.parametrize("name", ["motion", "depth", "mask", "error"])

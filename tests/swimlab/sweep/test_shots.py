@@ -97,6 +97,20 @@ def test_a_build_that_fails_loses_no_other(swimlab, home, measured, here):
     assert measured == [("corridor", "one"), ("corridor", "two")]
 
 
+def test_a_bad_frame_is_left_out_of_all_builds_on_an_engine_too(swimlab, home, here):
+    (home / "two" / "2.exr").write_bytes(b"no picture")
+    (home / "skip.toml").write_text(
+        SHOT.replace("[reference]", "skip_bad_frames = true\n[reference]"), encoding="utf-8"
+    )
+    found = {}
+    for name, words in (("plain", ()), ("engine", ("--engine", "dask"))):
+        code, _, err = swimlab("study", home / "skip.toml", "-q", "-o", home / name, *words)
+        assert code == 0, err
+        found[name] = scores(home / name / "scores.json")
+    assert found["engine"] == found["plain"]
+    assert {row["frame"] for row in found["engine"]["corridor", "one"]["frames"]} == {0, 1}
+
+
 def test_only_shots_go_to_an_engine(swimlab, home):
     code, _, err = swimlab("study", "road-shift", "--engine", "dask")
     assert (code, "'swimlab sweep'" in err) == (2, True)
