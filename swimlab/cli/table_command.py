@@ -30,7 +30,8 @@ def table_command(
     """Query the scores of many runs in SQL (DuckDB): swimlab table RUN... "SELECT ..."
 
     The tables are scores, frames, runs and times; without a query they are listed with their columns and rows. A query
-    reads what the runs hold and reaches no file.
+    reads what the runs hold and reaches no file. A run that cannot be read is named and left out, and the command ends
+    with 2.
 
     Parameters
     ----------
@@ -55,12 +56,15 @@ def table_command(
     folders = find_runs(runs)
     with progress("reading runs", len(folders), quiet=quiet) as advance:
         store = Store(folders, advance=advance)
+    for text in store.unread:
+        print(f"swimlab: {text}; left out", file=sys.stderr)
+    code = 2 if store.unread else 0
     if query is None:
         answer = store.overview()
     elif parquet is not None:
         store.write(query, parquet)
         print(parquet)
-        return 0
+        return code
     else:
         answer = store.ask(query)
     if json_output:
@@ -69,7 +73,7 @@ def table_command(
         _print_csv(answer)
     else:
         _print_table(answer)
-    return 0
+    return code
 
 
 def _split(words: tuple[str, ...]) -> tuple[list[Path], str | None]:

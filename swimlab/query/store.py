@@ -47,7 +47,7 @@ class Store:
     """Tables of runs, in memory: two stores do not meet, and nothing is left behind. Asked or written once."""
 
     def __init__(self, runs: Iterable[Path], *, advance: Callable[[str], None] = lambda _: None) -> None:
-        """Read all runs. Raises RunError where DuckDB is not installed or a run cannot be read."""
+        """Read all runs that can be read. Raises RunError where DuckDB is not installed, or no run can be read."""
         try:
             import duckdb  # an extra
         except ImportError as error:
@@ -59,13 +59,24 @@ class Store:
             listed = ", ".join(f"{name} {kind}" for name, kind in columns.items())
             self._connection.execute(f"CREATE TABLE {table} ({listed})")
         waiting: dict[str, list[Row]] = {table: [] for table in COLUMNS}
+        self.unread: list[str] = []
+        """What is wrong with the runs that cannot be read."""
+        read = 0
         for run in runs:
-            for table, rows in rows_of(run).items():
+            try:
+                found = rows_of(run)
+            except RunError as error:
+                self.unread.append(str(error))
+                found = {}
+            read += bool(found)
+            for table, rows in found.items():
                 waiting[table] += rows
                 if len(waiting[table]) > BATCH:
                     self._insert(table, waiting.pop(table))
                     waiting[table] = []
             advance(str(run))
+        if not read:
+            raise RunError("\n".join(self.unread))
         for table, rows in waiting.items():
             self._insert(table, rows)
 

@@ -202,6 +202,20 @@ def test_a_file_that_cannot_be_written_is_named_as_it_was_given(swimlab, tmp_pat
     assert (code, err.splitlines()[-1]) == (2, "swimlab: out.parquet: cannot be written: Permission denied")
 
 
+def test_runs_that_cannot_be_read_are_named_and_the_others_shown(swimlab, tmp_path):
+    write_run(tmp_path / "good")
+    (write_run(tmp_path / "cut") / "scores.json").write_text("{", encoding="utf-8")
+    (write_run(tmp_path / "odd") / "run.json").write_text("[]", encoding="utf-8")
+    code, out, err = swimlab("table", ".", "SELECT DISTINCT run FROM scores", "--csv", "-q")
+    assert (code, out) == (2, "run\ngood\n")
+    lines = err.splitlines()
+    assert [line.split("/")[0] for line in lines] == ["swimlab: cut", "swimlab: odd"]
+    assert all(line.endswith("; left out") for line in lines)
+    code, out, err = swimlab("table", "cut", "odd", "-q")
+    assert (code, out) == (2, "")
+    assert len(err.splitlines()) == 2
+
+
 def test_a_query_that_fails_leaves_no_file(swimlab, tmp_path):
     write_run(tmp_path / "run")
     code, _, _ = swimlab("table", "run", "SELECT x FROM scores", "--parquet", "out.parquet")
