@@ -48,9 +48,9 @@ def main() -> None:
     """Run the command line. Exit codes: 0 good, 1 a gate failed, 2 could not run, 130 interrupted."""
     make_streams_safe()
     warnings.showwarning = _show_warning
-    for name in set(sys.argv[1:2]) & set(COMMANDS):
-        app[name].help = None  # its own page has all that its docstring says
     try:
+        for name in set(sys.argv[1:2]) & set(COMMANDS):
+            app[name].help = None  # its own page has all that its docstring says
         try:
             app(print_error=False, exit_on_error=False)
         finally:

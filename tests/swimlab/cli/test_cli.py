@@ -212,6 +212,23 @@ def test_interrupts_have_their_own_exit_code(swimlab, tiny, tmp_path, monkeypatc
     assert {path.name for path in (tmp_path / "out").rglob("*.*")} == {"run.json", "0000.exr"}
 
 
+@pytest.mark.parametrize("module", ["cyclopts", "swimlab.cli.render_command"])
+def test_an_interrupt_while_libraries_are_loaded_shows_no_traceback(module):
+    script = f"""
+import sys
+class Interrupt:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupt())
+from swimlab.__main__ import main
+main()
+"""
+    ended = subprocess.run([sys.executable, "-c", script, "render"], capture_output=True, text=True, check=False)
+    assert ended.returncode == 130
+    assert "Traceback" not in ended.stderr
+
+
 def test_the_doctor_finds_this_machine_well(swimlab):
     code, out, _ = swimlab("doctor")
     assert code == 0
