@@ -1,5 +1,6 @@
 """A run of brought frames: its record, and what that record asks to measure again."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -57,15 +58,20 @@ def settings_of(requests: Mapping[str, Request]) -> dict[str, Any]:
     return {"requests": {name: asdict(from_anywhere(request)) for name, request in requests.items()}}
 
 
-def from_anywhere(request: Request) -> Request:
-    """The request with absolute names."""
+def from_anywhere(request: Request, *, home: str | None = None) -> Request:
+    """The request with absolute names, or with `home` with names that are relative to this folder."""
     named = {name: getattr(request, name) for name in ("test", "reference", "mask", "depth", "motion_mask")}
     named["motion"] = request.motion if request.velocity is None else None
     named["motion_jitter"] = request.motion_jitter
     files: dict[str, Any] = {
-        name: str(Path(value).absolute()) for name, value in named.items() if value not in (None, ESTIMATE)
+        name: placed(value, home) for name, value in named.items() if value not in (None, ESTIMATE)
     }
     return replace(request, **files)
+
+
+def placed(name: str, home: str | None) -> str:
+    """The absolute name of a file, or with `home` its name relative to this folder."""
+    return str(Path(name).absolute()) if home is None else os.path.relpath(name, home)
 
 
 def _about(subject: Subject) -> dict[str, Any]:

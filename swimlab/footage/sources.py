@@ -1,6 +1,7 @@
 """The files that brought frames are read from: what they were when they were measured, and whether they still are."""
 
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -53,6 +54,14 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     if jitter not in (None, ESTIMATE) and (path := Path(str(jitter))).is_file():
         found["motion jitter"] = Given(str(jitter), [path])
     return found
+
+
+def common_folder(paths: Iterable[str]) -> str | None:
+    """The folder that holds all of some files, whose names are absolute; None where they are on several drives."""
+    try:
+        return os.path.commonpath([str(Path(path).parent) for path in paths])
+    except ValueError:
+        return None
 
 
 def files_of(inputs: Inputs) -> dict[str, Mapping[str, Any]]:

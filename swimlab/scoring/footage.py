@@ -46,7 +46,7 @@ def measure_builds(
         of_builds[name] = {"hash": hash_of(settings), "settings": settings}
         if name in kept:
             entry = {key: value for key, value in kept[name].items() if key not in of_builds[name]}
-            entries.append(entry | {"sequence": called})
+            entries.append(entry | {"sequence": called} | _told_anew(entry, subject))
             continue
         if len(builds) - len(kept) > 1 and subject.like not in shared:
             shared[subject.like] = _share(subject.like, device)
@@ -62,6 +62,12 @@ def measure_builds(
         about["hash"] = hash_of({name: each["hash"] for name, each in of_builds.items()})
         entries = [entry | of_builds[entry["technique"]] for entry in entries]
     return {"version": VERSION, "provenance": about, "sequences": entries}
+
+
+def _told_anew(entry: Mapping[str, Any], subject: Subject) -> dict[str, Any]:
+    """What is said of a kept entry: notes on its files come first, and may name them where they were."""
+    notes = [*subject.notes, *entry["notes"][len(subject.notes) :]]
+    return {"notes": notes} | ({"warnings": subject.warnings} if subject.warnings else {})
 
 
 class Shared(NamedTuple):

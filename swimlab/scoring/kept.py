@@ -17,9 +17,9 @@ from typing import Any
 import metrics
 from metrics.display import Domain
 from metrics.machine import cores
-from swimlab.footage.brought import from_anywhere
+from swimlab.footage.brought import from_anywhere, placed
 from swimlab.footage.request import Request
-from swimlab.footage.sources import Inputs
+from swimlab.footage.sources import Inputs, common_folder
 from swimlab.runs.configuration import configuration
 from swimlab.runs.files import write_json
 from swimlab.runs.frames import frame_path
@@ -66,25 +66,22 @@ def keys_of(run: Path, record: Record, tests: Sequence[str], *, domain: Domain, 
 def keys_of_builds(requests: Mapping[str, Request], inputs: Inputs, *, device: str) -> dict[str, str]:
     """Build -> key of its scores: what is asked, and the files of the build and of what builds share.
 
-    None where the configuration of OpenColorIO depends on more than its files. The sequence's name is no part of it.
+    Files count by their bytes and by where they are to each other: moved together they are the same. None where the
+    configuration of OpenColorIO depends on more than its files. The sequence's name is no part of it.
     """
     colour = configuration()
     if colour is not None and not colour.whole:
         return {}
+    content = {"code": hash_of_code(), "device": device, "colour": None if colour is None else colour.digest}
+    shared = [what for what in inputs if what not in requests]
 
-    def files(names: Iterable[str]) -> list[tuple[str, str, str]]:
-        return [(name, file["path"], file["sha256"]) for name in names for file in inputs[name]["files"]]
+    def key(build: str, request: Request) -> str:
+        named = [(what, file) for what in (build, *shared) for file in inputs[what]["files"]]
+        home = common_folder([file["path"] for _, file in named])
+        files = [(what, placed(file["path"], home), file["sha256"]) for what, file in named]
+        return hash_of(content | {"request": asdict(from_anywhere(request, home=home)), "files": files})
 
-    content = {
-        "code": hash_of_code(),
-        "device": device,
-        "colour": None if colour is None else colour.digest,
-        "shared": files(what for what in inputs if what not in requests),
-    }
-    return {
-        name: hash_of(content | {"request": asdict(from_anywhere(request)), "test": files([name])})
-        for name, request in requests.items()
-    }
+    return {build: key(build, request) for build, request in requests.items()}
 
 
 def kept_entries(run: Path, keys: Mapping[str, str], store: Path | None = None) -> dict[str, dict[str, Any]]:

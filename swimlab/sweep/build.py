@@ -50,10 +50,16 @@ class Build(NamedTuple):
         """File of its plan; it is there when the build is to be measured by parts."""
         return out / STORE / f"{self.key}.plan"
 
+    def planned(self, out: Path) -> Planned | None:
+        """Its plan, where it has one; not one of files that were elsewhere, which are open in it."""
+        path = self.plan_path(out)
+        planned: Planned | None = _load(path) if path.is_file() else None
+        return planned if planned is not None and planned.subject.request == self.request else None
+
     def parts(self, out: Path) -> "list[BuildPart]":
         """Its parts, where it has a plan."""
-        path = self.plan_path(out)
-        return [BuildPart(self, part) for part in _load(path).parts] if path.is_file() else []
+        planned = self.planned(out)
+        return [BuildPart(self, part) for part in planned.parts] if planned is not None else []
 
 
 class BuildPart(NamedTuple):
@@ -83,7 +89,7 @@ def measure_into(build: Build, out: Path, threads: int | None) -> None:
     Raises RunError where this machine would make another key, and all that measuring raises.
     """
     check_key(build)
-    if build.path(out).is_file() or build.plan_path(out).is_file():
+    if build.path(out).is_file() or build.planned(out) is not None:
         return
     subject = Subject(build.request, lambda _: None, lambda _: None)
     planned = plan_build(subject, least=LEAST, threads=threads)

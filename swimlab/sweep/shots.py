@@ -59,7 +59,7 @@ class Shots:
         opened = [
             Task(build.key, build.label, measure_into, (build, out, threads))
             for build in missing
-            if not build.plan_path(out).is_file()
+            if build.planned(out) is None
         ]
         failures = perform(opened, out, engine, what="measuring builds", show=show)
         long = [(build, parts) for build in missing if (parts := build.parts(out))]

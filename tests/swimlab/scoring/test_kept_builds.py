@@ -5,6 +5,7 @@ import os
 import shutil
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813
 import pytest
 from small_shot import COUNT, SHOT, SIDE, write_picture, write_shot
 
@@ -100,6 +101,31 @@ def test_files_that_are_touched_are_the_same(study, shot, measured):
     assert measured == ["one", "two"]
     record = json.loads((shot.parent / "run" / "run.json").read_text(encoding="utf-8"))
     assert record["inputs"]["one"]["files"][0]["modified"] == 1
+
+
+def test_a_shot_that_moved_as_a_whole_is_not_measured_again(swimlab, study, shot, measured, tmp_path_factory):
+    """And what is said of its files names them where they are now."""
+    for path in sorted((shot.parent / "one").iterdir()):
+        picture = oiio.ImageBuf(str(path))
+        picture.specmod().attribute("compression", "dwaa:45")
+        assert picture.write(str(path))
+    study("-q")
+    before = entries(shot.parent / "run")
+    assert before["one"]["notes"][0].startswith(f"{shot.parent / 'one'}")
+    moved = shot.parent.rename(tmp_path_factory.mktemp("new") / "home")
+    code, _, err = swimlab("study", moved / shot.name, "-o", moved / "run", "-q")
+    assert code == 0, err
+    assert measured == ["one", "two"]
+    after = entries(moved / "run")
+    assert after["two"] == before["two"]
+    assert after["one"]["scores"] == before["one"]["scores"]
+    assert after["one"]["notes"][0].startswith(f"{moved / 'one'}")
+    assert after["one"]["notes"][1:] == before["one"]["notes"][1:]
+    (moved / "one").rename(moved / "other")
+    text = SHOT.replace('frames = "one"', 'frames = "other"')
+    (moved / shot.name).write_text(text, encoding="utf-8")
+    swimlab("study", moved / shot.name, "-o", moved / "run", "-q")
+    assert measured == ["one", "two", "one"]
 
 
 def test_a_build_that_was_measured_when_another_failed_is_kept(study, shot, measured):

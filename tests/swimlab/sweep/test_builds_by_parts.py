@@ -105,6 +105,19 @@ def test_a_part_whose_file_is_gone_is_measured_again(swimlab, shot, looked_at, m
     assert frames == [FIRST, LAST, FIRST]
 
 
+def test_parts_of_a_shot_that_moved_are_gone_on_with(swimlab, shot, looked_at, tmp_path_factory):
+    """The plan has the files where they were open, and is made again."""
+    frames, failing = looked_at
+    failing.append(LAST)
+    run = tmp_path_factory.mktemp("runs") / "run"
+    assert swimlab("study", shot, "-q", "-o", run, "--engine", "dask")[0] == 2
+    failing.clear()
+    moved = shot.parent.rename(tmp_path_factory.mktemp("new") / "home")
+    code, _, err = swimlab("study", moved / shot.name, "-q", "-o", run, "--engine", "dask")
+    assert code == 0, err
+    assert frames == [FIRST, LAST, LAST]
+
+
 def test_parts_of_frames_that_have_changed_are_not_joined(swimlab, shot, looked_at):
     frames, failing = looked_at
     failing.append(FIRST)
