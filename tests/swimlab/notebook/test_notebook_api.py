@@ -313,5 +313,5 @@ def test_a_bad_file_leaves_everything_as_it_was(folder, file, text, answer):
 
 
 def test_frames_are_measured_with_every_option_of_the_command():
-    options = {field.name for field in fields(Request)} - {"look"}
+    options = {field.name for field in fields(Request)} - {"look", "left_out"}  # of several builds
     assert options <= set(signature(swimlab.measure_frames).parameters)
