@@ -12,7 +12,7 @@ from swimlab.footage.sources import Inputs, files_of, find_inputs, hash_inputs
 from swimlab.runs.configuration import UNTOLD
 from swimlab.runs.record import Record, RunError
 from swimlab.scoring.brought import inputs_of, measure_brought
-from swimlab.scoring.kept import keys_of_builds
+from swimlab.scoring.kept import keep, kept_entries, keys_of_builds
 from swimlab.sweep.build import STORE, Build, check_keys, join_build, measure_into, measure_part
 from swimlab.sweep.engine import Engine, Task
 from swimlab.sweep.perform import Show, perform
@@ -55,6 +55,7 @@ class Shots:
         self, builds: Sequence[Build], out: Path, engine: Engine, *, threads: int | None, show: Show
     ) -> dict[Path, str]:
         """Measure the missing ones of some builds, long ones by parts; the failures by file."""
+        self._take_kept(out)
         missing = [build for build in builds if not build.path(out).is_file()]
         opened = [
             Task(build.key, build.label, measure_into, (build, out, threads))
@@ -92,6 +93,14 @@ class Shots:
         """The run folders that were written, after these failures."""
         failed = {path.stem for path in failures}
         return [each.run for each in self._measured(out) if _writing(each) not in failed]
+
+    def _take_kept(self, out: Path) -> None:
+        """Put the entries that runs have already where those of measured builds are."""
+        for name, _, run in self.asked:
+            keys = self.keys[name]
+            for build, entry in kept_entries(run, keys).items():
+                if not self.builds[keys[build]].path(out).is_file():
+                    keep(out / STORE, keys[build], entry)
 
     def _measured(self, out: Path) -> list[Asked]:
         """The shots all of whose builds are measured."""

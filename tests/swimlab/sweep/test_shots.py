@@ -8,9 +8,10 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from distributed import LocalCluster
-from small_shot import SHOT, write_shot
+from small_shot import SHOT, SIDE, write_picture, write_shot
 from turning_shot import write_turning_shot
 
 from swimlab.footage.shot import load_shot
@@ -84,6 +85,18 @@ def test_builds_on_an_engine_score_as_in_this_process(swimlab, home, measured, h
     assert other == plain
     assert not list((home / "engine").glob(".scores/*"))
     assert (home / "engine" / "report.html").is_file()
+
+
+def test_what_runs_have_is_not_measured_again_on_an_engine(swimlab, home, measured, here):
+    words = ("study", home / "corridor.toml", home / "hall.toml", "-q", "-o", home / "run", "--engine", "dask")
+    assert swimlab(*words)[0] == 0
+    before = (home / "run" / "corridor" / "scores.json").read_bytes()
+    assert swimlab(*words)[0] == 0
+    assert [name for _, name in measured] == ["one", "two"]
+    assert (home / "run" / "corridor" / "scores.json").read_bytes() == before
+    write_picture(home / "two" / "1.exr", np.ones((SIDE, SIDE, 3)))
+    assert swimlab(*words)[0] == 0
+    assert [name for _, name in measured] == ["one", "two", "two"]
 
 
 def test_a_build_that_fails_loses_no_other(swimlab, home, measured, here):
