@@ -230,7 +230,7 @@ def _geometry(test: Clip, reference: Clip | None) -> Clip:
     if reference is None:
         return test
     if reference.count != test.count:
-        raise ClipError(f"the test has {test.count} frames and the reference {reference.count}; they must match")
+        raise ClipError(f"the test has {test.count}, the reference {reference.count} frames; they must match")
     if reference.shape != test.shape:
         raise ClipError(
             f"the test is {test.shape[1]}x{test.shape[0]} px and the reference "

@@ -11,6 +11,7 @@ from swimlab.cli.sources import warn_of_sources
 from swimlab.gate.outcome import update_baseline
 from swimlab.gate.outputs import number
 from swimlab.gate.rules import GateError, load_gate
+from swimlab.runs.counting import counted
 from swimlab.runs.provenance import provenance
 
 
@@ -53,6 +54,6 @@ def baseline_command(
     for (sequence, technique), known in baseline.entries.items():
         for name, (mean, sigma) in known.scores.items():
             spread = "unknown" if sigma is None else number(sigma)
-            print(f"{sequence} {technique} {name} = {number(mean)}, sigma {spread} ({known.runs} runs)")
+            print(f"{sequence} {technique} {name} = {number(mean)}, sigma {spread} ({counted(known.runs, 'run')})")
     print(load_gate(gate).baseline_path)
     return 0

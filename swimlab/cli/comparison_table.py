@@ -16,6 +16,7 @@ from swimlab.compare.change import BY_ERRORS, Change
 from swimlab.compare.history import Outlook, spark
 from swimlab.compare.runs import Against, Comparison, tally
 from swimlab.gate.outputs import number
+from swimlab.runs.counting import counted
 
 STYLES = {"better": "green", "worse": "bold red", "changed": "yellow", "unknown": "yellow", "gone": "yellow"}
 KINDS = {"settings": "OTHER SETTINGS", "names": "other names", "versions": "other versions"}
@@ -135,7 +136,7 @@ def _reasons(changes: Sequence[Change]) -> list[str]:
     ]
     unknown = sum(change.verdict == "unknown" for change in changes)
     if unknown:
-        lines.append(f"{unknown} changed scores have no standard error: whether by chance is unknown")
+        lines.append(f"{counted(unknown, 'changed score')} without a standard error: whether by chance is unknown")
     return lines
 
 
@@ -143,7 +144,8 @@ def _counts(changes: Sequence[Change], threshold: float) -> str:
     counts: dict[str, Any] = tally(changes, threshold)
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in counts["verdicts"].items())
     return (
-        f"{len(changes)} scores: {verdicts}. Beyond {threshold:g} σ: {counts['beyond']} of {counts['compared']}; "
+        f"{counted(len(changes), 'score')}: {verdicts}. "
+        f"Beyond {threshold:g} σ: {counts['beyond']} of {counts['compared']}; "
         f"chance alone would bring {counts['expected_by_chance']:.2g}."
     )
 

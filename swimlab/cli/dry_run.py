@@ -7,6 +7,7 @@ from typing import Any
 
 from swimlab.render.plan import Plan
 from swimlab.render.run import earlier_record, outdated
+from swimlab.runs.counting import counted
 from swimlab.runs.frames import frame_path
 
 
@@ -31,7 +32,7 @@ def print_plans(plans: Sequence[Plan], runs: Sequence[Path], *, force: bool, jso
         print(json.dumps(work, indent=1))
         return
     for row in work:
-        what = "{sequence}, {size}, {frames} frames of ".format(**row) + ", ".join(row["techniques"])
+        what = f"{row['sequence']}, {row['size']}, {counted(row['frames'], 'frame')} of {', '.join(row['techniques'])}"
         print(f"{row['run']}: {what}: {row['pictures'] - row['done']} of {row['pictures']} pictures to render")
 
 

@@ -12,6 +12,7 @@ from swimlab.footage.shot import is_shot, load_shot
 from swimlab.footage.sources import changes
 from swimlab.render.plan import load_sequence
 from swimlab.report.sentences import listed, notes_of
+from swimlab.runs.counting import counted
 from swimlab.runs.entries import read_entries
 from swimlab.runs.record import Record
 from swimlab.runs.scores import read_scores
@@ -49,7 +50,7 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
     if "samples" in record.settings:
         print(f"samples     {record.settings['samples']} a pixel of the reference")
     for name, given in record.inputs.items():
-        print(f"input       {name}: {given['name']}, {len(given['files'])} files")
+        print(f"input       {name}: {given['name']}, {counted(len(given['files']), 'file')}")
     for text in changes(record.inputs):
         print(f"beware      {text}")
     if record.inputs and (Path(what) / "scores.json").is_file():

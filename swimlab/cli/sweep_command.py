@@ -16,6 +16,7 @@ from swimlab.cli.engines import Name, check_engine, open_engine, threads_of_task
 from swimlab.cli.sweep_table import print_sweep
 from swimlab.cli.terminal import progress
 from swimlab.render.plan import check_threads
+from swimlab.runs.counting import counted
 from swimlab.runs.files import write_json
 from swimlab.runs.record import RunError
 from swimlab.runs.scores import merge_scores
@@ -143,7 +144,7 @@ def _print_scores(work: Work, scores: list[dict[str, Any]], out: Path, *, json_o
 
 
 def _say_what_failed(failures: dict[Path, str], out: Path) -> None:
-    print(f"swimlab: {len(failures)} tasks failed, each with a file in {out / 'failures'}:", file=sys.stderr)
+    print(f"swimlab: {counted(len(failures), 'task')} failed, each with a file in {out / 'failures'}:", file=sys.stderr)
     for message in list(failures.values())[:SHOWN]:
         print(f"swimlab: {message}", file=sys.stderr)
     if len(failures) > SHOWN:

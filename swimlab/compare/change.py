@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from metrics import METRICS
 from metrics.ratios import difference_error, reference_floor
+from swimlab.runs.counting import counted
 from swimlab.runs.entries import Entry, number
 
 Verdict = Literal["same", "better", "worse", "changed", "unresolved", "unknown", "gone", "new"]
@@ -109,7 +110,7 @@ def change_in_history(earlier: Sequence[Entry], now: Entry, metric: str, *, thre
     past = [value for entry in earlier if (value := number(entry.scores, metric)) is not None]
     if len(past) < FEWEST or found.before is None or found.after is None:
         return found
-    by = f"spread of {len(past)} runs"
+    by = f"spread of {counted(len(past), 'run')}"
     if found.verdict == "same":
         return _with(found, "same", sigmas=0.0, by=by)
     centre = mean(past)

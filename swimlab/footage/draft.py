@@ -10,6 +10,7 @@ from swimlab.footage.convention import guess
 from swimlab.footage.header import Header
 from swimlab.footage.pattern import frame_range, parse_pattern, patterns
 from swimlab.footage.reader import Reader, open_frames
+from swimlab.runs.counting import counted
 from swimlab.runs.frames import FrameError
 from swimlab.runs.record import ERROR, RESERVED
 
@@ -145,7 +146,7 @@ def _vectors(frames: str, preset: str | None) -> list[str]:
 def _said(frames: str, opened: Mapping[str, Reader]) -> str:
     reader = opened[frames]
     size = "{}x{}".format(*reader.header.size)
-    return f"frames = {_quoted(frames)}  # {len(reader.numbers)} frames, {size}"
+    return f"frames = {_quoted(frames)}  # {counted(len(reader.numbers), 'frame')}, {size}"
 
 
 def _quoted(text: str) -> str:

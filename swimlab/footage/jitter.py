@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from swimlab.footage.motion import FieldMotion, Motion, Points
 from swimlab.footage.vectors import Known
+from swimlab.runs.counting import counted
 from swimlab.runs.frames import FrameError, Image
 
 Side = Literal["vectors", "frames"]
@@ -94,7 +95,8 @@ def read_offsets(path: Path, numbers: Sequence[int]) -> Offsets:
     rows = _rows(path)
     if len(rows[0][1]) == 2:
         if len(rows) != len(numbers):
-            raise FrameError(f"--motion-jitter {path}: has {len(rows)} lines for {len(numbers)} frames; {_FORM}")
+            has = f"has {counted(len(rows), 'line')} for {counted(len(numbers), 'frame')}"
+            raise FrameError(f"--motion-jitter {path}: {has}; {_FORM}")
         return np.array([values for _, values in rows])
     found: dict[int, list[float]] = {}
     for line, (frame, *offset) in rows:
@@ -131,7 +133,7 @@ def _rows(path: Path) -> list[tuple[int, list[float]]]:
         if wrong is not None:
             raise FrameError(f"{where}: {wrong or 'an empty value'} is not a number; {_FORM}")
         if len(words) not in (2, 3) or (rows and len(words) != len(rows[0][1])):
-            raise FrameError(f"{where}: has {len(words)} values; {_FORM}, all lines alike")
+            raise FrameError(f"{where}: has {counted(len(words), 'value')}; {_FORM}, all lines alike")
         rows.append((line, [float(word) for word in words]))
     if not rows:
         raise FrameError(f"--motion-jitter {path}: has no lines; {_FORM}")

@@ -12,6 +12,7 @@ from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import check_alpha, open_reference, passed_over
 from swimlab.footage.request import Request
 from swimlab.footage.source import Mask, Source, least
+from swimlab.runs.counting import counted
 from swimlab.runs.frames import FrameError, Image
 
 FPS = 60.0
@@ -159,7 +160,7 @@ class Opened:
             return
         count, times = len(reader.numbers), len(test.numbers)
         if count != times:
-            has = f"--{what} {reader.name}: has {count} frames ({frame_range(reader.numbers)}), the test "
+            has = f"--{what} {reader.name}: has {counted(count, 'frame')} ({frame_range(reader.numbers)}), the test "
             if test.gaps and count == times - len(test.gaps):
                 raise FrameError(
                     f"{has}as many, at uneven times, which number them to {test.numbers[-1]}: give one a time, those "

@@ -16,6 +16,7 @@ from swimlab.gate.rules import GateError, load_gate
 from swimlab.render.catalogue import techniques
 from swimlab.render.plan import make_plan
 from swimlab.render.run import render_run
+from swimlab.runs.counting import counted
 from swimlab.runs.entries import Entry, read_all, read_entries
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
@@ -101,7 +102,7 @@ def update_baseline(path: Path, runs: Sequence[Path], *, count: int | None, prov
         raise GateError(f"{path}: every rule is off; there is nothing to record")
     for (sequence, technique), known in baseline.entries.items():
         if count is not None and known.runs != count:
-            raise GateError(f"{technique} on {sequence}: has {known.runs} runs, --runs asks for {count}")
+            raise GateError(f"{technique} on {sequence}: has {counted(known.runs, 'run')}, --runs asks for {count}")
     baseline.write(destination)
     return baseline
 

@@ -66,7 +66,7 @@ def test_a_clip_that_makes_no_sense_is_refused(options, words):
 
 
 def test_a_reference_must_match():
-    with pytest.raises(ClipError, match="3 frames and the reference 2"):
+    with pytest.raises(ClipError, match="the test has 3, the reference 2 frames"):
         measure(bad(), bad(count=2))
     with pytest.raises(ClipError, match="80x64 px and the reference 80x60 px"):
         measure(bad(), bad(frame=lambda _: GREY[:60]))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from swimlab.footage.check.baseline import LEAST, Scale, ScaledMotion
 from swimlab.footage.motion import FieldMotion, Motion, UniformMotion
 from swimlab.footage.warping import Reading
+from swimlab.runs.counting import counted
 
 SURE = 6.0
 """Standard errors by which a factor is off."""
@@ -59,7 +60,7 @@ def said(scale: Scale) -> str:
             axes.append(f"{axis} {factor:.4f} ± {error:.4f}")
         else:
             axes.append(f"{axis} {drift + 0.0:+.4f} ± {error:.4f} px a frame")
-    return f"factor that fits over {scale.apart} frames: {', '.join(axes)}"
+    return f"factor that fits over {counted(scale.apart, 'frame')}: {', '.join(axes)}"
 
 
 def fitted(motion: Motion, scale: Scale | None) -> dict[str, tuple[str, Reading]]:

@@ -143,11 +143,11 @@ def test_files_of_jitter_are_read_in_many_forms(tmp_path, form, mark, end):
 
 
 FAULTS = {
-    "too few": ("0 0\n", "has 1 lines for 2 frames"),
+    "too few": ("0 0\n", "has 1 line for 2 frames"),
     "too many": ("0 0\n0 0\n0 0\n", "has 3 lines for 2 frames"),
     "a word": ("0 0\n0 zero\n", "line 2: zero is not a number"),
     "not finite": ("0 0\n0 nan\n", "line 2: nan is not a number"),
-    "one value": ("# x\n1\n2\n", "line 2: has 1 values"),
+    "one value": ("# x\n1\n2\n", "line 2: has 1 value"),
     "four values": ("1 2 3 4\n", "line 1: has 4 values"),
     "an empty value": ("7,,0\n8,0,0\n", "line 1: an empty value is not a number"),
     "mixed": ("7 0 0\n0 0\n", "line 2: has 2 values"),
