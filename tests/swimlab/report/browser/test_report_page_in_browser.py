@@ -236,6 +236,18 @@ def test_a_phone_needs_neither_keys_nor_sideways_scrolling(
     assert page.inner_text("#readout").startswith("pixel (")
 
 
+def test_a_phone_shows_flicker_and_what_scores_mean_at_once(visit: Callable[..., Page], report: str) -> None:
+    page = visit(report, **PHONE)
+    width = PHONE["viewport"]["width"]
+    heading = page.locator(".scores th", has_text=re.compile("^flicker$")).first.bounding_box()
+    assert heading
+    assert heading["x"] + heading["width"] <= width
+    for table in page.locator(".glossary").all():
+        box = table.bounding_box()
+        assert box
+        assert box["x"] + box["width"] <= width
+
+
 def test_a_folder_shows_what_the_page_shows(visit: Callable[..., Page], report: str, folder: Path) -> None:
     page, other = visit(report + VIEW), visit((folder / "index.html").as_uri() + VIEW)
     assert np.array_equal(canvas(page), canvas(other))
