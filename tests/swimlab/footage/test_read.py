@@ -134,19 +134,21 @@ def test_several_layers_must_be_chosen_from():
     assert find_colour(header, "fill", "a.exr")[1] == ("fill.R", "fill.G", "fill.B")
 
 
-def test_a_data_window_is_put_into_the_display_window(tmp_path):
+@pytest.mark.parametrize(("x", "y", "seen"), [(6, -1, (2, 2)), (-3, 1, (1, 3)), (-4, 1, (0, 3)), (-60, 90, (0, 0))])
+def test_a_data_window_is_put_into_the_display_window(tmp_path, x, y, seen):
+    """What is of it in sight, though it be nothing; the rest is 0."""
     spec = oiio.ImageSpec(4, 3, 3, oiio.FLOAT)
-    spec.x, spec.y = 6, -1
+    spec.x, spec.y = x, y
     spec.full_x = spec.full_y = 0
     spec.full_width, spec.full_height = 8, 6
     output = oiio.ImageOutput.create("exr")
     assert output.open(str(tmp_path / "a.exr"), spec)
     assert output.write_image(np.ones((3, 4, 3), np.float32))
     output.close()
-    seen = picture(str(tmp_path / "a.exr"))
-    assert seen.shape == (6, 8, 3)
-    assert seen.sum() == 3 * 2 * 2
-    assert seen[:2, 6:].all()
+    expected = np.zeros((6, 8, 3))
+    expected[max(y, 0) : max(y + 3, 0), max(x, 0) : max(x + 4, 0)] = 1
+    assert np.array_equal(picture(str(tmp_path / "a.exr")), expected)
+    assert expected.sum() == 3 * seen[0] * seen[1]
 
 
 def test_alpha_is_used_as_asked(tmp_path):
