@@ -16,13 +16,13 @@ import numpy as np
 
 from swimlab.footage.check import factor
 from swimlab.footage.check.baseline import Scale, fit_scale
-from swimlab.footage.check.events import FEW, every_nth, find_cuts, repeated_frames, stray_shifts
+from swimlab.footage.check.events import FEW, every_nth, find_cuts, find_jumps, repeated_frames, stray_shifts
 from swimlab.footage.check.grey import Frames
 from swimlab.footage.check.jitter import integrated
 from swimlab.footage.check.lucas_kanade import Values
 from swimlab.footage.check.pairs import PairFit, fit_pairs
 from swimlab.footage.check.regions import find_region
-from swimlab.footage.check.verdict import Verification, events_said, region_said
+from swimlab.footage.check.verdict import Verification, events_said, jumps_said, region_said
 from swimlab.footage.check.weighing import CLEAR, LEAST, POOR, Weighing, against_flow, weigh
 from swimlab.footage.motion import Motion
 from swimlab.footage.pattern import frame_range
@@ -94,7 +94,10 @@ def verify(
         cuts=tuple(cuts),
         repeated=tuple(repeated),
     )
-    said = events_said(cuts, repeated, every_nth(repeated, frames), number)
+    jumps = [index for index in find_jumps(pairs) if index not in astray] if clean else []
+    said = "; ".join(
+        filter(None, (events_said(cuts, repeated, every_nth(repeated, frames), number), jumps_said(jumps, number)))
+    )
     refused = weighing.error()
     if refused and not (found.jitter and _shakes(weighing, pairs)):
         return _refuse(found, refused, said)

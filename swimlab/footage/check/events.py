@@ -22,6 +22,11 @@ _TRIED = 8
 _LEAP = 2.0
 """A cut leaves this many times what its clip's pairs leave at the median."""
 
+_JUMP = 3.0
+"""The picture of a reference jumps where its motion leaves this many times what it leaves at the median of pairs,"""
+_JUMPED = 0.1
+"""... and this share of the change that unlike pictures have."""
+
 STRAY = 0.03
 """Shifts of the whole picture shorter than this are no fault of vectors, px."""
 SURE = 6.0
@@ -74,6 +79,13 @@ def find_cuts(pairs: list[PairFit], frames: Frames, *, moving: bool = False) -> 
         if second.early == first.late and _alike(frames, second.late, first.early):
             cuts -= {first.late, second.late}
     return sorted(cuts)
+
+
+def find_jumps(pairs: list[PairFit]) -> list[int]:
+    """Indices of frames before which the picture jumps: the motion leaves far more of the change than in most pairs."""
+    usual = float(np.median([pair.given for pair in pairs])) if pairs else 0.0
+    jumps = [pair.late for pair in pairs if pair.given > max(_JUMP * usual, _JUMPED)]
+    return jumps if len(jumps) <= FEW * len(pairs) else []
 
 
 def _alike(frames: Frames, late: int, early: int) -> bool:

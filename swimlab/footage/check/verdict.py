@@ -70,6 +70,15 @@ def events_said(cuts: list[int], repeated: list[int], nth: int, number: Callable
     return "; ".join(said)
 
 
+def jumps_said(jumps: list[int], number: Callable[[int], int]) -> str:
+    """Jumps of the reference in words; empty without any."""
+    if not jumps:
+        return ""
+    named = frame_range([number(index) for index in jumps])
+    frames = f"frame{'s' if len(jumps) > 1 else ''} {named}"
+    return f"the reference jumps with {frames}: it changes there by far more than the motion tells, as in a loop"
+
+
 def region_said(region: Region) -> str:
     """A region in words."""
     left, top, right, bottom = region.box

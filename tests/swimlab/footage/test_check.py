@@ -367,3 +367,13 @@ def test_a_direction_that_steady_motion_does_not_tell_is_said(change, said):
     found = check(Told(fields_of(steps)), [surface(place) for place in np.cumsum(steps)])
     assert found.verdict == "verified"
     assert ("forward vectors would fit as well" in found.note) == said
+
+
+def test_a_jump_of_the_reference_that_nothing_explains_is_told():
+    """As where a clip loops: what is smooth stays alike, so that it is no cut, and what is fine is another."""
+    fine = np.random.default_rng(3).standard_normal((2, HEIGHT, WIDTH + COUNT, 1))
+    frames = [surface(t) + 0.05 * fine[int(t >= 9), :, COUNT - t : COUNT - t + WIDTH] for t in range(COUNT)]
+    found = check(uniform((1.0, 0.0)), frames, clean=True)
+    assert (found.error, found.cuts, found.frames) == ("", (), ())
+    assert "the reference jumps with frame 9" in found.note
+    assert "jumps" not in check(uniform((1.0, 0.0)), frames).note
