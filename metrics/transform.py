@@ -22,10 +22,10 @@ from metrics.kernels.energies import (
     following_energies,
     following_energies_of_both,
     octave_energies,
-    strip_powers,
 )
 from metrics.kernels.fourier import tile_spectra
 from metrics.kernels.launch import on_cpu
+from metrics.kernels.power import strip_powers
 from metrics.octaves import OCTAVES
 from metrics.tiles import Level, split, window
 

@@ -23,7 +23,7 @@ RENDER_SIZE = (1280, 720)
 MEASURE_SIZE = (1920, 1080)
 MEASURED = "measuring"
 THREADS = (1, 2)
-FRAMES = 3
+FRAMES = 12
 """Frames of the clip that is measured."""
 
 
