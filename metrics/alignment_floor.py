@@ -65,13 +65,13 @@ class AlignmentFloor:
             return None
         if self._seen:
             raised = span.count / max(1, span.count - 1)
-            span.floors[span.part] = [
+            span.floors[span.tiles] = [
                 TileFloor(level.size, None if span.bands is None else span.bands[index], energy, varied * raised)
                 for index, (level, energy, varied) in enumerate(
                     zip(span.levels, self._energy, self._varied, strict=True)
                 )
             ]
-        return span.floors.get(span.part, [])
+        return span.floors.get(span.tiles, [])
 
     def take(self, found: list[TileFloor] | None) -> None:
         if found is None:

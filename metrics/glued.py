@@ -24,15 +24,18 @@ class GluedPattern:
         """frame: of which the span is."""
         self._launcher, self._frame = launcher, frame
         self._waves = texture(0, limit=LIMIT, waves=WAVES)
-        self._course: Iterator[Field] = iter(())
+        self._course: Iterator[Field] | None = None
 
     def seen(self, place: Placement) -> NDArray[np.float32] | None:
         """The pattern [1, rows, W] in the grid in which tiles lie; None where nothing is unwarped, in other spans, and
-        where it is known already what comes of it."""
+        where it is known already in the first frame what comes of it."""
         span, correspondence = place.span, place.span.correspondence
-        if correspondence is None or not span.start <= self._frame < span.stop or span.part in span.floors:
+        if correspondence is None or not span.start <= self._frame < span.stop:
             return None
         if place.t == span.start:
-            self._course = correspondence.glue()
+            # Another clip of the same alignment may find it meanwhile: a pattern that is begun is followed to the end.
+            self._course = None if span.tiles in span.floors else correspondence.glue()
+        if self._course is None:
+            return None
         pattern = pattern_at(self._launcher, self._waves.frequency, self._waves.phase, next(self._course))
         return place.align(pattern[None])

@@ -22,6 +22,10 @@ ROOM = 256e6
 """Bytes that the correspondences of a clip may take, and as much its geometry."""
 
 
+Tiles = tuple[tuple[int, ...], ...]
+"""Of every level, how many tiles, and the first one's place (y, x): they follow each other in the level's order."""
+
+
 class TileFloor(NamedTuple):
     """Of the tiles of one size: their bands of distance [n], and a pattern's energy [n] and what of it flickers."""
 
@@ -45,7 +49,7 @@ class Span:
     part: which part of the span's tiles these are.
     rows: rows of the anchor frame that pictures are aligned for.
     reached: [H, W], the pixels of the anchor frame that tiles weigh by one half or more.
-    floors: part -> what came of a pattern that is glued to the surface, once it is measured.
+    floors: tiles of a part -> what came of a pattern that is glued to the surface, once it is measured.
     """
 
     start: int
@@ -61,12 +65,17 @@ class Span:
     rows: slice
     reached: Mask = field(repr=False)
     correspondence: Correspondence | None = field(default=None, repr=False)
-    floors: dict[int, list[TileFloor]] = field(default_factory=dict, repr=False)
+    floors: dict[Tiles, list[TileFloor]] = field(default_factory=dict, repr=False)
     part: int = 0
 
     @property
     def count(self) -> int:
         return self.stop - self.start
+
+    @property
+    def tiles(self) -> Tiles:
+        """Which tiles these are of all of the span's: how it is cut in parts differs with memory and measures."""
+        return tuple((level.count, *level.origin[:1].ravel().tolist()) for level in self.levels)
 
     def placements(self) -> "Iterator[Placement]":
         """Where the frames lie on the anchor frame, in the order of time."""

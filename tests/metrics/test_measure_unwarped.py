@@ -70,6 +70,28 @@ def test_clips_that_share_an_alignment_may_be_measured_at_once(rotation, referen
             assert list(pool.map(scores, errors)) == one_by_one
 
 
+def test_what_clips_of_one_alignment_share_is_whole_whoever_finds_it(rotation, reference, alignment):
+    names = ["budget.alignment_floor"]
+    clip = Clip(reference.__getitem__, FRAMES, motion=rotation.motion)
+    expected = measure(clip, names=names).scores
+    for order in ((3e6, None), (None, 3e6)):
+        shared = align(clip)
+        for memory in order:
+            assert measure(clip, names=names, alignment=shared, memory=memory).scores == expected
+    shared = align(clip)
+    span = next(span for span in shared.spans if span.start <= FRAMES // 2 < span.stop)
+
+    def slow(t):
+        # In the midst of the span another clip is measured from beginning to end.
+        if t == span.stop - 1:
+            assert measure(clip, names=names, alignment=shared).scores == expected
+        return reference[t]
+
+    interrupted = Clip(slow, FRAMES, motion=rotation.motion)
+    for _ in range(2):
+        assert measure(interrupted, names=names, alignment=shared).scores == expected
+
+
 @pytest.mark.parametrize("room", [0, 1e9])
 def test_correspondence_is_exact(rotation, tolerance, room):
     blank = np.zeros((SIZE, SIZE, 3))
