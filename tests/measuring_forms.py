@@ -65,10 +65,12 @@ FIELD = (2, 11, 37)
 
 
 def fields(launcher):
-    """A field, a second one, and places of two rows: far beyond the field's edges, and side by side within it."""
+    """A field, a second one, and places of two rows: far beyond the field's edges, side by side within it, and farther
+    than an integer holds."""
     random = np.random.default_rng(0)
     smooth, other = (launcher.array(random.uniform(-0.2, 0.2, FIELD), wp.float32) for _ in range(2))
-    for places in (random.uniform(-40, 40, (2, FIELD[2], 2)), 0.1 * random.random((2, FIELD[2], 2))):
+    rows = (2, FIELD[2], 2)
+    for places in (random.uniform(-40, 40, rows), 0.1 * random.random(rows), random.choice([-3e9, 0.3, 3e9], rows)):
         yield smooth, other, places
 
 

@@ -7,13 +7,19 @@ from metrics.kernels.splines import cubic_weights, mirrored
 
 wp.set_module_options({"enable_backward": False})
 
-LOOK = (
-    VECTORS
-    + """
+FAR = 1e6
+"""A place farther away, px, or one that is not a number, is looked up as if no farther: at an edge, and as an int."""
+
+_FAR = wp.constant(FAR)
+
+_LOOK = """
     const auto mirror = [](int index, int length) {
         int inside = index < 0 ? -index : index;
         inside = inside >= length ? 2*length - 2 - inside : inside;
         return inside < 0 ? 0 : inside > length - 1 ? length - 1 : inside;
+    };
+    const auto whole_px = [](float place) {
+        return (int)(place > -%(far)gf ? place < %(far)gf ? place : %(far)gf : -%(far)gf);
     };
     struct Place { lanes x, y; };
     // A field's values away from L pixels of a row, from `column` on; 0 of those that are not asked for.
@@ -33,7 +39,7 @@ LOOK = (
             const flags together = asked & (left == left[lane]) & (up == up[lane]);
             asked &= ~together;
             asked[lane] = 0;
-            const int c = column + (int)left[lane] - 1, r = row + (int)up[lane] - 1;
+            const int c = column + whole_px(left[lane]) - 1, r = row + whole_px(up[lane]) - 1;
             const bool whole = c >= 0 && c + L + 3 <= width;
             lanes sum[2] = {};
             for (int right = 0; right < 4; ++right)
@@ -55,7 +61,7 @@ LOOK = (
         return found;
     };
 """
-)
+LOOK = VECTORS + _LOOK % {"far": FAR}
 """C++ for LANES pixels at a time: `look` is what `field_value` is."""
 
 
@@ -66,8 +72,8 @@ def field_value(field: wp.array3d(dtype=wp.float32), row: wp.int32, column: wp.i
     top = wp.floor(away[1])
     across = cubic_weights(away[0] - left)
     along = cubic_weights(away[1] - top)
-    x = column + wp.int32(left) - 1
-    y = row + wp.int32(top) - 1
+    x = column + wp.int32(wp.clamp(left, -_FAR, _FAR)) - 1
+    y = row + wp.int32(wp.clamp(top, -_FAR, _FAR)) - 1
     found = wp.vec2(0.0, 0.0)
     for right in range(4):
         line = wp.vec2(0.0, 0.0)

@@ -62,9 +62,9 @@ def whole_octaves(finest: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @wp.func
 def step_of(away: wp.float32) -> wp.int32:
-    """The table's step of a place."""
+    """The table's step of a place; the first where that is not a number."""
     between = away - wp.rint(away)
-    return wp.int32(wp.rint(wp.abs(between) * wp.static(2.0 * STEPS)))
+    return wp.max(wp.int32(wp.rint(wp.abs(between) * wp.static(2.0 * STEPS))), 0)
 
 
 @wp.kernel

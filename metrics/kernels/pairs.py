@@ -43,7 +43,7 @@ def own_places(
 ):
     """owner: motion into this frame of what each pixel of the frame before shows, px; NaN where it is not known.
 
-    That of the pixels that claim it where they agree (see `follow.claim`), else what the frame before has itself.
+    That of the pixels that claim it where they agree (see `edges.claim`), else what the frame before has itself.
     """
     row = first + wp.tid()
     for column in range(motion.shape[1]):

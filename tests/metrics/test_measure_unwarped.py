@@ -92,6 +92,15 @@ def test_what_clips_of_one_alignment_share_is_whole_whoever_finds_it(rotation, r
         assert measure(interrupted, names=names, alignment=shared).scores == expected
 
 
+@pytest.mark.parametrize("far", [3e9, 3e38])
+def test_motion_beyond_all_bounds_is_not_measured(far):
+    motion = np.full((96, 96, 2), 0.3, np.float32)
+    motion[:8, :8] = far
+    grey = np.full((96, 96, 3), 0.5, np.float32)
+    found = measure(Clip(lambda _: grey, 4, motion=lambda _: motion), names=["measured", "budget"])
+    assert found.scores["measured.fraction"] < 0.9
+
+
 @pytest.mark.parametrize("room", [0, 1e9])
 def test_correspondence_is_exact(rotation, tolerance, room):
     blank = np.zeros((SIZE, SIZE, 3))
