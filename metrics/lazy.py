@@ -1,7 +1,7 @@
 """A property that is made when it is first asked for, and kept."""
 
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Self, TypeVar, overload
 
 Value = TypeVar("Value")
 
@@ -16,6 +16,14 @@ class lazy(Generic[Value]):  # noqa: N801, used as a decorator
         self._make = make
         self.__doc__ = make.__doc__
 
-    def __get__(self, instance: Any, owner: type | None = None) -> Value:
-        value = instance.__dict__[self._make.__name__] = self._make(instance)
+    @overload
+    def __get__(self, instance: None, owner: type) -> Self: ...
+
+    @overload
+    def __get__(self, instance: object, owner: type) -> Value: ...
+
+    def __get__(self, instance: object | None, owner: type) -> Self | Value:
+        if instance is None:
+            return self
+        value = vars(instance)[self._make.__name__] = self._make(instance)
         return value

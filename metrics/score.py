@@ -51,10 +51,10 @@ def measure(
     names: scores to measure, by name or beginning ("budget"); None: all.
     alignment: from `align`, of a clip with the same motion, coverage and depth; None: made here.
     progress: called with frames done and frames in all.
-    memory: bytes that may be taken beside what `alignment` holds (None: MEMORY, or MEMORY_PER_PIXEL for frames above
-        4 megapixels); where that is not enough for all tiles at once,
-        frames are read again for some at a time. At least two frames and a few tiles are held.
-    threads: how many work at a time; None: one a core. Scores are the same bits for any number and any memory.
+    memory: bytes that may be taken beside what `alignment` holds (None: MEMORY, or MEMORY_PER_PIXEL if that is more);
+        where that is not enough for all tiles at once, frames are read again for some at a time, which changes scores
+        by rounding alone. At least two frames and a few tiles are held.
+    threads: how many work at a time; None: one a core. Scores are the same bits for any number.
     device: where frames are followed and unwarped, and pixels compared: "cpu", or a GPU as "cuda:0".
     Frames are read one at a time, by one thread, and once where the memory allows. Raises ClipError for frames that
     cannot be measured and ValueError for an unknown name or device.

@@ -1,13 +1,11 @@
 """The spectra of a clip's tiles, frame by frame, as measures take them in."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from metrics.lazy import lazy
-from metrics.parts import pieces
 from metrics.spans import Span
 from metrics.tiles import Level
 from metrics.transform import Energy, Picture, Spectrum, TileTransform, follow, follow_both
@@ -141,13 +139,6 @@ class Batch:
 def transforms(span: Span, t: int) -> list[TileTransform]:
     """What frame t's tiles are transformed with, for every level."""
     return [TileTransform(level, span.offsets[t - span.start], span.rows.start) for level in span.levels]
-
-
-def batches(span: Span, t: int, pictures: Pictures, course: Course) -> Iterator[Batch]:
-    """All tiles of frame t, piece by piece."""
-    transform = transforms(span, t)
-    for number, piece in enumerate(pieces(span)):
-        yield Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level], course)
 
 
 def split(energy: Energy, varied: Energy, span: Span, level: int) -> tuple[Energy, Energy]:

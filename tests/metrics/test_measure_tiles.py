@@ -6,10 +6,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from metrics.clip import Clip
+from metrics.parts import pieces
 from metrics.spans import align
-from metrics.spectra import Course, Pictures, batches
+from metrics.spectra import Batch, Course, Pictures, transforms
 from metrics.tiles import SIZES, lay, split, window
 from metrics.transform import energy
+
+
+def batches(span, t, pictures):
+    """All tiles of frame t, piece by piece."""
+    course, transform = Course(span, has_reference=pictures.error is not None), transforms(span, t)
+    for number, piece in enumerate(pieces(span)):
+        yield Batch(t, piece.level, number, piece.tiles, pictures, transform[piece.level], course)
 
 
 @pytest.mark.parametrize("size", [size for size in SIZES if size >= 32])
@@ -64,7 +72,7 @@ def test_spectra_keep_the_energy_of_the_windowed_pixels(seed, dx, dy, tolerance)
     clip = Clip(lambda t: np.moveaxis(pictures[t], 0, 2), 3, motion=(dx, dy))
     (span,) = align(clip).spans
     for t in range(3):
-        for batch in batches(span, t, Pictures(pictures[t], pictures[t]), Course(span, has_reference=True)):
+        for batch in batches(span, t, Pictures(pictures[t], pictures[t])):
             blocks = batch.transform.blocks(pictures[t], batch.tiles).astype(np.float64)
             assert energy(batch.error) == pytest.approx(
                 np.square(blocks).sum(axis=(1, 2, 3)), rel=tolerance("parseval")
@@ -76,7 +84,5 @@ def test_a_glued_pattern_has_the_same_spectrum_in_every_frame(texture, centres, 
     frames = [np.moveaxis(pattern.at(x - 0.37 * t, y - 0.61 * t), 2, 0).copy() for t in range(2)]
     frames = [frame.astype(np.float32) for frame in frames]
     (span,) = align(Clip(lambda t: np.moveaxis(frames[t], 0, 2), 2, motion=(0.37, 0.61))).spans
-    first, second = (
-        next(batches(span, t, Pictures(frames[t]), Course(span, has_reference=False))).test for t in range(2)
-    )
+    first, second = (next(batches(span, t, Pictures(frames[t]))).test for t in range(2))
     assert energy(second - first).sum() < tolerance("glued") * energy(first).sum()
