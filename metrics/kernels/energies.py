@@ -86,7 +86,7 @@ def square(value: wp.float32) -> wp.float64:
 def octave_sums() -> Twins:
     """The function that sums a tile's squares by the octave of each part.
 
-    spectra: [n, channels, parts]. octaves: [parts]. energies: [n, 1, octaves].
+    spectra: [n, channels, parts], whole vectors of LANES parts. octaves: [parts]. energies: [n, 1, octaves].
     """
 
     @wp.func(module="unique")

@@ -84,7 +84,7 @@ class Launcher:
                     task.result()
         except BaseException:
             waiting.clear()
-            wait(tasks)
+            wait([task for task in tasks if not task.cancel()])
             raise
 
     def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,22 @@ def test_an_error_in_a_thread_is_raised(launcher):
 
     with pytest.raises(RuntimeError, match="item 3"):
         launcher.each(range(8), body)
+
+
+def test_an_error_is_raised_while_all_threads_are_busy():
+    busy = threading.Barrier(4)
+
+    def fail(_):
+        raise RuntimeError("within")
+
+    def body(_):
+        busy.wait()
+        launcher.each(range(3), fail)
+
+    with Launcher(threads=2) as launcher, ThreadPoolExecutor(2) as callers:
+        for caller in [callers.submit(launcher.each, range(2), body) for _ in range(2)]:
+            with pytest.raises(RuntimeError, match="within"):
+                caller.result()
 
 
 def test_an_unknown_device_is_refused_by_name():
