@@ -38,4 +38,6 @@ class GluedPattern:
         if self._course is None:
             return None
         pattern = pattern_at(self._launcher, self._waves.frequency, self._waves.phase, next(self._course))
+        if place.t == span.stop - 1:
+            self._course = None  # It holds the span's places.
         return place.align(pattern[None])

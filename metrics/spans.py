@@ -170,9 +170,11 @@ def _maker(
 def _spans(geometry: Geometry, steps: NDArray[np.float64] | None, make: Callable[[int, int], Span]) -> Iterator[Span]:
     """A clip's spans one by one, in order; the one that was made for the plan is not made again."""
     for bounds, middle in plan_shots(geometry, steps, make):
-        for number, bound in enumerate(bounds):
-            yield middle if number == len(bounds) // 2 else make(*bound)
-        del middle  # Its places are let go before the next shot is planned.
+        half = len(bounds) // 2
+        yield from (make(*bound) for bound in bounds[:half])
+        yield middle
+        del middle  # Its places are not held here while those after it are made.
+        yield from (make(*bound) for bound in bounds[half + 1 :])
 
 
 def _span(

@@ -1,12 +1,16 @@
 """Memory is bounded, and neither that nor the number of threads changes a score."""
 
+import weakref
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import metrics.plan
+import metrics.spans
 import metrics.sweep
 from metrics import Clip, measure
+from metrics.correspondence import Correspondence
 from metrics.geometry import FEWEST, Geometry
 from metrics.parts import parts, pieces
 from metrics.spans import align
@@ -72,6 +76,22 @@ def test_surfaces_are_held_while_there_is_room(clips, frames):
     assert sorted(set(reads)) == list(range(COUNT))
     # A few that were asked for last are always held.
     assert len(reads) == 2 * COUNT - max(FEWEST, frames)
+
+
+def test_places_of_spans_that_are_done_are_let_go(monkeypatch):
+    monkeypatch.setattr(metrics.plan, "LONGEST_UNWARPED", 4)
+    made, held = weakref.WeakSet(), []
+    monkeypatch.setattr(
+        metrics.spans, "Correspondence", lambda *args, **kw: made.add(one := Correspondence(*args, **kw)) or one
+    )
+    grey = np.full((SIZE[1], SIZE[0], 3), 0.5, np.float32)
+    frames = 6 * 4
+    clip = Clip(lambda t: held.append((t, len(made))) or grey, frames, motion=TURN.motion)
+    found = measure(clip, threads=1)
+    assert "budget.alignment_floor" in found.scores
+    # The middle span is made first, and held beside the others until its turn comes.
+    assert {count for t, count in held if 0 < t < frames // 2} == {2}
+    assert {count for t, count in held if t >= frames // 2} == {1}
 
 
 def test_a_file_is_read_once(clips):
