@@ -132,7 +132,8 @@ def align(
     keep: hold all spans, to be used again; else they are made as they are asked for, once.
     room: bytes that motion and coverage may take, and half as many places if the motion is not uniform; what does not
         fit is read or found again.
-    launcher: runs the kernels; None: one with all cores.
+    launcher: runs the kernels, and those of measuring with the spans, until when it stays open; None: one with all
+        cores.
     """
     geometry, places = _share_out(clip, room, together=clip.count if keep else None)
     steps = uniform_steps(geometry) if plan is None else plan.steps
