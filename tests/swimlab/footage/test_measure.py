@@ -281,7 +281,7 @@ def test_output_is_a_folder_as_of_a_run(swimlab, clips, tmp_path):
     assert json.loads(swimlab("info", "before", "--json")[1])["inputs"]["test"]["name"] == str(clips / "glued")
     code, out, err = swimlab("compare", "before", "after.v2")
     assert (code, err) == (0, "")
-    assert "6 same" in out
+    assert "9 same" in out
     (tmp_path / "file").write_text("")
     code, _, err = swimlab(*words, "-o", "file")
     assert code == 2

@@ -109,7 +109,7 @@ def test_bad_scores_are_refused_by_file(swimlab, tmp_path, what):
         (["baseline", "updat", "gate.toml", "run"], "updat"),
         (["baseline", "update", "gate.toml"], "name at least one run folder"),
         (["baseline", "update", "plain.toml", "run"], "plain.toml: names no baseline"),
-        (["baseline", "update", "gate.toml", "run", "--runs", "2"], "tsl on road-shift: has 1 runs, --runs asks for 2"),
+        (["baseline", "update", "gate.toml", "run", "--runs", "2"], "tsl on road-shift: has 1 run, --runs asks for 2"),
         (["baseline", "update", "gate.toml", "nan"], "budget.mse cannot go into a baseline: is not a number"),
         (["baseline", "update", "gate.toml", "other"], "budget.mse cannot go into a baseline: has not been measured"),
         (["baseline", "update", "gate.toml", "absent"], "cannot go into a baseline: is absent: needs a reference"),

@@ -179,7 +179,7 @@ def test_failures_are_recorded_and_tried_again(swimlab, sweep, tmp_path, monkeyp
         patch.setattr(renderer, "check_range", broken)
         code, printed, err = swimlab("sweep", sweep, "-o", "out")
         assert code == 2
-        assert "1 tasks failed" in err
+        assert "1 task failed" in err
         assert "own_tsl.size-32, pixel-point, frames 2-3: no more paper" in err
         (file,) = (out / "failures").iterdir()
         failure = json.loads(file.read_text())
