@@ -50,11 +50,10 @@ class Correspondence:
     left_in: [frames, octaves], share of a noise's energy that taking pictures there leaves, mean over what is usable.
     """
 
-    def __init__(self, geometry: Geometry, launcher: Launcher, start: int, stop: int, *, room: float) -> None:
-        self._geometry, self._launcher = geometry, launcher
+    def __init__(self, geometry: Geometry, splines: Splines, start: int, stop: int, *, room: float) -> None:
+        self._geometry, self._splines, self._launcher = geometry, splines, splines.launcher
         self._start, self._stop = start, stop
-        self._steps = steps(launcher.device)
-        self._splines = Splines(launcher)
+        self._steps = steps(self._launcher.device)
         self._middle = (start + stop - 1) // 2
         self._held: list[Field] = []
         later: list[Field] = []

@@ -20,17 +20,17 @@ class Splines:
     """Makes coefficients of splines on the device, for the length of a `with`; memory of one is kept for the next."""
 
     def __init__(self, launcher: Launcher) -> None:
-        self._launcher = launcher
+        self.launcher = launcher
         self._idle: dict[tuple[int, ...], list[Any]] = defaultdict(list)
 
     def of_field(self, motion: Values) -> AbstractContextManager[Any]:
         """Cubic coefficients [2, H, W] (x, y) of a motion field [H, W, 2], px."""
-        field = self._launcher.view(motion, wp.float32)
+        field = self.launcher.view(motion, wp.float32)
         return self._coefficients([field[:, :, axis] for axis in range(2)], 3)
 
     def of_picture(self, planes: Values) -> AbstractContextManager[Any]:
         """Quintic coefficients of a picture's planes [1 to 3, H, W]."""
-        picture = self._launcher.view(planes, wp.float32)
+        picture = self.launcher.view(planes, wp.float32)
         return self._coefficients([picture[channel] for channel in range(len(planes))], 5)
 
     @contextmanager
@@ -40,7 +40,7 @@ class Splines:
         try:
             found = idle.pop()
         except IndexError:
-            found = self._launcher.empty(shape, wp.float32)
+            found = self.launcher.empty(shape, wp.float32)
         for number, plane in enumerate(planes):
             self._filter(plane, found[number], degree)
             self._filter(found[number].transpose(), found[number].transpose(), degree)
@@ -49,7 +49,7 @@ class Splines:
             idle.append(found)
 
     def _filter(self, source: Any, values: Any, degree: int) -> None:
-        launcher, (lines, length) = self._launcher, values.shape
+        launcher, (lines, length) = self.launcher, values.shape
 
         def scratch(rows: int) -> list[Any]:
             return [launcher.empty(-(-rows // LINES) * LINES * length, wp.float32)]
