@@ -8,7 +8,7 @@ time. The taps give the bits of the plain form; levels of detail, by a float log
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import warp as wp
 
@@ -75,8 +75,10 @@ ADDRESSES = """
     const int full_width = chain.width, full_height = chain.height, last = chain.levels - 1;
     const int* __restrict offsets = chain.offsets.data;
     int most = 1, blended = 0;
+    // Lanes are taken in whole vectors, which is faster: those beyond `count` have no probes, and are not read.
+    const int padded = (count + 15) & ~15;
     #pragma clang loop vectorize(assume_safety)
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < padded; ++k) {
         const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
         const int level = (int)l, next = level < last ? level + 1 : level;
         blend[k] = l - (float)level;
@@ -89,23 +91,29 @@ ADDRESSES = """
         most = number[k] > most ? number[k] : most;
         blended |= blend[k] > 1.0e-6f;
     }
-    // Of a probe: indices of its four texels, and how far it lies from the first to the next.
+    const auto clamped = [](int i, int last) { return i < 0 ? 0 : i > last ? last : i; };
+    const auto repeated = [](int i, int last) { return i & last; };
+    // Of a probe at (u, v): indices of its four texels, and how far it lies from the first to the next.
+    auto locate = [&](int o, int k, float u, float v, int at[4][LANES], float& across, float& down, auto inside) {
+        const float x = u*wide[o][k] - 0.5f, y = v*high[o][k] - 0.5f;
+        const float left = __builtin_floorf(x), top = __builtin_floorf(y);
+        across = x - left; down = y - top;
+        const int r = right[o][k], l = low[o][k], i0 = (int)left, j0 = (int)top;
+        const int a0 = inside(i0, r), a1 = inside(i0 + 1, r);
+        const int b0 = start[o][k] + inside(j0, l)*(r + 1), b1 = start[o][k] + inside(j0 + 1, l)*(r + 1);
+        at[0][k] = b0 + a0; at[1][k] = b0 + a1; at[2][k] = b1 + a0; at[3][k] = b1 + a1;
+    };
     int at[2][4][LANES];
     float across[2][LANES], down[2][LANES];
-    auto address = [&](int o, float i) {
+    auto locate_all = [&](int o, float i, auto inside) {
         #pragma clang loop vectorize(assume_safety)
-        for (int k = 0; k < count; ++k) {
-            const float x = (fu[k] + su[k]*i)*wide[o][k] - 0.5f, y = (fv[k] + sv[k]*i)*high[o][k] - 0.5f;
-            const float left = __builtin_floorf(x), top = __builtin_floorf(y);
-            across[o][k] = x - left; down[o][k] = y - top;
-            const int r = right[o][k], l = low[o][k], i0 = (int)left, j0 = (int)top, i1 = i0 + 1, j1 = j0 + 1;
-            const int a0 = clamps ? (i0 < 0 ? 0 : i0 > r ? r : i0) : i0 & r;
-            const int a1 = clamps ? (i1 < 0 ? 0 : i1 > r ? r : i1) : i1 & r;
-            const int b0 = start[o][k] + (clamps ? (j0 < 0 ? 0 : j0 > l ? l : j0) : j0 & l)*(r + 1);
-            const int b1 = start[o][k] + (clamps ? (j1 < 0 ? 0 : j1 > l ? l : j1) : j1 & l)*(r + 1);
-            at[o][0][k] = b0 + a0; at[o][1][k] = b0 + a1; at[o][2][k] = b1 + a0; at[o][3][k] = b1 + a1;
+        for (int k = 0; k < padded; ++k) {
+            const float u = su[k]*i, v = sv[k]*i;
+            locate(o, k, fu[k] + u, fv[k] + v, at[o], across[o][k], down[o][k], inside);
+BESIDE
         }
     };
+    auto address = [&](int o, float i) { if (clamps) locate_all(o, i, clamped); else locate_all(o, i, repeated); };
 """
 
 
@@ -143,17 +151,18 @@ TRANSPOSED = """
             r[i + 2] = __builtin_shufflevector(s[i], s[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
         }
         for (int i = 0; i < 4; ++i) {
-            *(vec_a*)(out + i*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-            *(vec_a*)(out + (i + 4)*LANES + done) = __builtin_shufflevector(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+            float* to = ROWS + i*LANES + done;
+            *(vec_a*)to = __builtin_shufflevector(r[i], r[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+            *(vec_a*)(to + 4*LANES) = __builtin_shufflevector(r[i], r[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
         }
     }
 """
-"""Code that leaves the VALUE of lane `done + i`, eight floats, in the first rows of a packet, eight lanes at a time."""
+"""Code that leaves the VALUE of lane `done + i`, eight floats, in the first rows of ROWS, eight lanes at a time."""
 
 
-def transposed(value: str) -> str:
-    """That code for some value, a vec_a of lane `done + i`."""
-    return TRANSPOSED.replace("LANES", str(LANES)).replace("VALUE", value)
+def transposed(value: str, rows: str = "out") -> str:
+    """That code for some value, a vec_a of lane `done + i`, and some rows of LANES floats: the packet's."""
+    return TRANSPOSED.replace("LANES", str(LANES)).replace("VALUE", value).replace("ROWS", rows)
 
 
 def _store(name: str, first: int, floats: int) -> str:
@@ -167,8 +176,33 @@ def _store(name: str, first: int, floats: int) -> str:
 """
 
 
-def filter_of(plain: wp.Function, probes: str, width: int, addresses: str = ADDRESSES, shape: Any = Chain) -> Twins:
+class Beside(NamedTuple):
+    """C++ of what a filter of packets does beside its own work; it may use all that the filter's own code declares.
+
+    declared: once a packet, before any texel is located. located: where lane k's probe is located on level o; (u, v) is
+    how far it lies from the lane's first. read: where its texels are read. after: once a packet, when `out` has the
+    means; `q` has the footprints.
+    """
+
+    declared: str = ""
+    located: str = ""
+    read: str = ""
+    after: str = ""
+
+
+NOTHING = Beside()
+
+
+def filter_of(
+    plain: wp.Function,
+    probes: str,
+    width: int,
+    addresses: str = ADDRESSES,
+    shape: Any = Chain,
+    beside: Beside = NOTHING,
+) -> Twins:
     """A filter of texels of `width` floats, by the code of its probes and of where a chain of some shape has texels."""
+    declared, located, read, after = (code.replace("LANES", str(LANES)) for code in beside)
     parts = [("whole", "vec_a", 0, min(width, 8))]
     if width > 8:
         parts.append(("rest", "vec_b", 8, width - 8))
@@ -186,11 +220,12 @@ def filter_of(plain: wp.Function, probes: str, width: int, addresses: str = ADDR
     const double* __restrict q = places.data;
     const double W = (double)chain.width, H = (double)chain.height;
     const bool clamps = chain.clamps == 1;
-    float lod[{LANES}], fu[{LANES}], fv[{LANES}], su[{LANES}], sv[{LANES}];
-    int number[{LANES}];
+    float lod[{LANES}] = {{}}, fu[{LANES}] = {{}}, fv[{LANES}] = {{}}, su[{LANES}] = {{}}, sv[{LANES}] = {{}};
+    int number[{LANES}] = {{}};
 {LOG2}
 {probes.replace("LANES", str(LANES))}
-{addresses.replace("LANES", str(LANES))}
+{declared}
+{addresses.replace("LANES", str(LANES)).replace("BESIDE", located)}
 {"".join(sums)}
 {"".join(taps)}
     for (int i = 0; i < most; ++i) {{
@@ -199,10 +234,12 @@ def filter_of(plain: wp.Function, probes: str, width: int, addresses: str = ADDR
         for (int k = 0; k < count; ++k) {{
             if (i >= number[k]) continue;
 {"".join(adds)}
+{read}
         }}
     }}
     int done;
 {"".join(_store(name, first, floats) for name, _, first, floats in parts)}
+{after}
 """
 
     return Twins(each_lane(plain, width, shape), native, width)
@@ -226,13 +263,9 @@ def anisotropic(width: int, most: int) -> Twins:
     return stretched(sampling.anisotropic_to(most), width, most)
 
 
-def stretched(plain: wp.Function, width: int, most: int, then: str = "") -> Twins:
-    """The anisotropic filter, and C++ of what `plain` does to its texels afterwards.
-
-    That has the means in `out`, the footprints in `q`, and what the filter's own code declares.
-    """
-    code = filter_of(plain, ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width)
-    return code._replace(native=code.native + then.replace("LANES", str(LANES)))
+def stretched(plain: wp.Function, width: int, most: int, beside: Beside = NOTHING) -> Twins:
+    """The anisotropic filter, and C++ of what `plain` does beside it."""
+    return filter_of(plain, ANISOTROPIC_PROBES.replace("MOST", f"{most}.0"), width, beside=beside)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from metrics.kernels.making import made_once
 from swimlab.render.kernels.footprint import isotropic_level
 from swimlab.render.kernels.sampling import anisotropic
 from swimlab.render.kernels.structs import Chain, Surface
-from swimlab.render.kernels.texture_filter import AGREES, TextureFilter, stretched
+from swimlab.render.kernels.texture_filter import AGREES, Beside, TextureFilter, stretched
 from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique, pixel_shading
 
@@ -60,7 +60,7 @@ def flattened_texels(width: int, start: float, end: float, most: int) -> Twins:
         out[3*LANES + k] *= keep; out[4*LANES + k] *= keep;
     }}
 """
-    return stretched(flattened(start, end, most), width, most, fade)
+    return stretched(flattened(start, end, most), width, most, Beside(after=fade))
 
 
 def texture_filter(settings: LodHackSettings) -> TextureFilter:

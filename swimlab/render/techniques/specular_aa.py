@@ -13,7 +13,7 @@ from metrics.kernels.forms import Twins, Within, form
 from metrics.kernels.making import made_once
 from swimlab.render.kernels.sampling import anisotropic
 from swimlab.render.kernels.structs import Chain, Surface
-from swimlab.render.kernels.texture_filter import TextureFilter, stretched
+from swimlab.render.kernels.texture_filter import Beside, TextureFilter, stretched, transposed
 from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique, pixel_shading
 
@@ -58,48 +58,71 @@ def widened(variance: float, threshold: float, most: int) -> wp.Function:
     return antialiased
 
 
-NEIGHBOURS = """
-    // Mean normals about the places one cell to the right and one down, by the probes of the footprint itself.
-    typedef float vec_n __attribute__((ext_vector_type(4), aligned(4)));
-    vec_n fine[2][LANES], coarse[2][LANES];
+DECLARED = """
+    // The places one cell to the right (s = 0) and one down, by the footprint's own probes: where the first lies; of a
+    // probe on level o the texels, and how far it lies from the first to the next, across for both s, then down.
+    float first_u[2][LANES] = {}, first_v[2][LANES] = {}, between[2][LANES][4];
+    int beside[2][2][4][LANES];
     for (int s = 0; s < 2; ++s) {
         #pragma clang loop vectorize(assume_safety)
         for (int k = 0; k < count; ++k) {
-            fu[k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - au[k];
-            fv[k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - av[k];
-        }
-        __builtin_memset(fine[s], 0, sizeof fine[s]);
-        __builtin_memset(coarse[s], 0, sizeof coarse[s]);
-        auto lookup = [&](int o, int k) {
-            #pragma clang fp contract(fast)
-            auto read = [&](int which) { return *(const vec_n*)(data + (long)at[o][which][k]*WIDTH + 3); };
-            const vec_n upper = read(0) + (read(1) - read(0))*across[o][k];
-            const vec_n lower = read(2) + (read(3) - read(2))*across[o][k];
-            return upper + (lower - upper)*down[o][k];
-        };
-        for (int i = 0; i < most; ++i) {
-            address(0, (float)i);
-            if (blended) address(1, (float)i);
-            for (int k = 0; k < count; ++k) {
-                if (i >= number[k]) continue;
-                fine[s][k] += lookup(0, k);
-                if (blend[k] > 1.0e-6f) coarse[s][k] += lookup(1, k);
-            }
+            first_u[s][k] = (float)(q[k] + q[(2 + 2*s)*LANES + k]) - au[k];
+            first_v[s][k] = (float)(q[LANES + k] + q[(3 + 2*s)*LANES + k]) - av[k];
         }
     }
-    float mean[2][3][LANES];
-    for (int s = 0; s < 2; ++s)
-        for (int k = 0; k < count; ++k) {
-            const vec_n m = fine[s][k]*(1.0f - blend[k]) + coarse[s][k]*blend[k];
-            mean[s][0][k] = m.x; mean[s][1][k] = m.y; mean[s][2][k] = m.z;
-        }
+    // Sums of the normals on both levels, those of s = 0 in the first four floats.
+    typedef float vec_n __attribute__((ext_vector_type(4), aligned(4)));
+    vec_a fine[LANES], coarse[LANES];
+    __builtin_memset(fine, 0, sizeof fine);
+    __builtin_memset(coarse, 0, sizeof coarse);
+    auto normals = [&](int o, int k) {
+        #pragma clang fp contract(fast)
+        auto read = [&](int which) -> vec_a {
+            auto normal = [&](int s) { return *(const vec_n*)(data + (long)beside[o][s][which][k]*WIDTH + 3); };
+            return __builtin_shufflevector(normal(0), normal(1), 0, 1, 2, 3, 4, 5, 6, 7);
+        };
+        const vec_n far = *(const vec_n*)between[o][k];
+        const vec_a a = __builtin_shufflevector(far, far, 0, 0, 0, 0, 1, 1, 1, 1);
+        const vec_a b = __builtin_shufflevector(far, far, 2, 2, 2, 2, 3, 3, 3, 3);
+        const vec_a upper = read(0) + (read(1) - read(0))*a, lower = read(2) + (read(3) - read(2))*a;
+        return upper + (lower - upper)*b;
+    };
+"""
+
+LOCATED = """
+            for (int s = 0; s < 2; ++s) {
+                float* far = between[o][k] + s;
+                locate(o, k, first_u[s][k] + u, first_v[s][k] + v, beside[o][s], far[0], far[2], inside);
+            }
+"""
+
+READ = """
+            fine[k] += normals(0, k);
+            if (blend[k] > 1.0e-6f) coarse[k] += normals(1, k);
+"""
+
+MEAN = "fine[done + i]*(1.0f - blend[done + i]) + coarse[done + i]*blend[done + i]"
+
+MEANS = f"""
+    float mean[8*LANES];
+    done = 0;
+{transposed(MEAN, "mean")}
+    for (; done < count; ++done) {{
+        const int i = 0;
+        const vec_a one = {MEAN};
+        for (int row = 0; row < 8; ++row) mean[row*LANES + done] = one[row];
+    }}
+"""
+
+WIDENED = """
     #pragma clang loop vectorize(assume_safety)
     for (int k = 0; k < count; ++k) {
         const float x = out[3*LANES + k], y = out[4*LANES + k], z = out[5*LANES + k], long_n = x*x + y*y + z*z;
         const float unit = long_n > 0.0f ? 1.0f/__builtin_sqrtf(long_n) : 0.0f;
         float turn = 0.0f;
         for (int s = 0; s < 2; ++s) {
-            const float a = mean[s][0][k], b = mean[s][1][k], c = mean[s][2][k], long_m = a*a + b*b + c*c;
+            const float* m = mean + 4*s*LANES + k;
+            const float a = m[0], b = m[LANES], c = m[2*LANES], long_m = a*a + b*b + c*c;
             const float one = long_m > 0.0f ? 1.0f/__builtin_sqrtf(long_m) : 0.0f;
             const float dx = a*one - x*unit, dy = b*one - y*unit, dz = c*one - z*unit;
             turn += dx*dx + dy*dy + dz*dz;
@@ -115,8 +138,11 @@ NEIGHBOURS = """
 def widened_texels(width: int, variance: float, threshold: float, most: int) -> Twins:
     """`widened` over the lanes of a packet, of texels of `width` floats."""
     names = {"WIDTH": str(width), "VARIANCE": f"{variance!r}f", "THRESHOLD": f"{threshold!r}f"}
-    code = functools.reduce(lambda text, name: text.replace(name, names[name]), names, NEIGHBOURS)
-    return stretched(widened(variance, threshold, most), width, most, code)
+    parts = (
+        functools.reduce(lambda text, name: text.replace(name, names[name]), names, part)
+        for part in (DECLARED, LOCATED, READ, MEANS + WIDENED)
+    )
+    return stretched(widened(variance, threshold, most), width, most, Beside(*parts))
 
 
 def texture_filter(settings: SpecularAaSettings) -> TextureFilter:
