@@ -19,8 +19,9 @@ from metrics.transform import TileTransform
 CHUNK = 4
 """Frames at most that a piece of tiles is followed through while it stays in the cache."""
 
-# Share of the memory for two chunks of frames.
+# Share of the memory for two chunks of frames, and for those that need not be unwarped.
 _FRAMES = 0.1
+_FRAMES_AS_THEY_ARE = 0.3
 
 # Bytes a pixel while a frame is read, and while it is unwarped.
 _READING = 60.0
@@ -74,8 +75,8 @@ class Sweep:
         """
         height, width = span.shape
         frame = self._frame * height * width
-        chunk = int(min(CHUNK, max(1.0, _FRAMES * self._memory / (2 * frame))))
-        making = _READING if span.correspondence is None else _UNWARPING
+        share, making = (_FRAMES_AS_THEY_ARE, _READING) if span.correspondence is None else (_FRAMES, _UNWARPING)
+        chunk = int(min(CHUNK, max(1.0, share * self._memory / (2 * frame))))
         last = _FOLLOWED * height * width
         room = max(_LEAST * self._memory, self._memory - 2 * chunk * frame - last - making * height * width)
         some = deque(parts(span, self._held, room))

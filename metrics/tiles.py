@@ -107,7 +107,8 @@ def lay(
         for larger in range(index):
             allowed &= ~stands[larger].around(*centre, SIZES[larger])
         if allowed.size:
-            allowed &= weight[centre] < _SPARSE
+            (top, *_), (left, *_) = (each.ravel() for each in centre)
+            allowed &= weight[top : top + len(allowed), left : left + allowed.shape[1]] < _SPARSE
         if allowed.any():
             origin = _lattice(allowed, size // 2) + np.array(stands[index].first)
             levels.append(Level(size, origin, _apart(origin, size)))
@@ -124,8 +125,8 @@ class _Standing:
 
     def around(self, y: NDArray[np.intp], x: NDArray[np.intp], size: int) -> Mask:
         """Whether a tile stands that is centred at (y, x), or as near to it as the frame lets it be."""
-        if not self.where.size:
-            return np.zeros(np.broadcast_shapes(y.shape, x.shape), dtype=bool)
+        if not self.where.size or self.where.all():
+            return np.full(np.broadcast_shapes(y.shape, x.shape), bool(self.where.size))
         row, column = (
             np.clip(centre - size // 2 - first, 0, length - 1)
             for centre, first, length in zip((y, x), self.first, self.where.shape, strict=True)
