@@ -68,12 +68,13 @@ class Pixels:
 
         place: where it lies on all rows of the span; None: found here, for all frames of the span.
         """
+        paired = self._last is not None and t not in self.geometry.clip.cuts
+        # In this order: of large frames only the surfaces asked for last are held, and the next pair needs this one.
+        before = self.geometry.surface(t - 1) if paired else None
         surface = self.geometry.surface(t)
         reached = reached_pixels(place or next(self._places), self.launcher) & surface.covered
         error = self._error(error)
-        owner = None
-        if self._last is not None and t not in self.geometry.clip.cuts:
-            owner = shown_before(surface, self.geometry.surface(t - 1), self.launcher)
+        owner = None if before is None else shown_before(surface, before, self.launcher)
         sums = self._sum(surface, reached, error, self._last, owner)
         self._last = error
         covered = np.sum([sums[name] for name in CLASSES], axis=0)

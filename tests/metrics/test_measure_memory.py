@@ -13,6 +13,7 @@ from metrics import Clip, measure
 from metrics.correspondence import Correspondence
 from metrics.geometry import FEWEST, Geometry
 from metrics.parts import parts, pieces
+from metrics.score import Measuring
 from metrics.spans import align
 from metrics.synthetic import Rotation, centres, texture
 
@@ -107,6 +108,17 @@ def test_a_file_is_read_once(clips):
     watched = replace(test, **{name: counted(name, source) for name, source in sources.items()})
     measure(watched, replace(reference, frame=counted("reference", reference.frame)))
     assert len(reads) == len(set(reads)) == (len(sources) + 1) * COUNT
+
+
+def test_motion_that_is_not_held_is_read_once_a_pass(clips, found, monkeypatch):
+    """A pass that follows the surface, one that measures, and half of one that the glued pattern takes."""
+    reads = []
+    test, reference = clips
+    if callable(test.motion):
+        monkeypatch.setattr(Measuring, "_room", 0.0)
+        watched = replace(test, motion=lambda t: reads.append(t) or test.motion(t))
+        assert measure(watched, reference).scores == found.scores
+        assert len(reads) <= 3 * COUNT
 
 
 def test_scores_are_the_same_bits_for_any_number_of_threads(clips, found):
