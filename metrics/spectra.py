@@ -61,7 +61,7 @@ class Course:
         seen = batch.frame - self._start + 1
         means = [mean[batch.tiles] for mean in self._means[batch.level]]
         before = batch if batch.before is None else batch.before
-        new = 0.0 if seen == 1 else (seen - 1) / seen
+        new = (seen - 1) / seen
         if batch.error is None or before.error is None:
             energy, change, varied = follow(batch.test, before.test, means[0], 1 / seen)
             return Followed(energy, change, {"test": new * varied})
@@ -148,12 +148,15 @@ def split(energy: Energy, varied: Energy, span: Span, level: int) -> tuple[Energ
     independently from frame to frame, such as noise, has no static part on average (which may make a static energy
     negative by chance).
     """
-    left = 1.0 if span.left is None else span.left[level]
     flicker = flickering(varied, span, level)
-    return energy / left - flicker, flicker
+    return energy / _left(span, level) - flicker, flicker
 
 
 def flickering(varied: Energy, span: Span, level: int) -> Energy:
     """The second of the two alone, from the sum of `Followed.varied` over a span."""
-    left = 1.0 if span.left is None else span.left[level]
-    return (varied + varied / max(1, span.count - 1)) / left
+    return (varied + varied / max(1, span.count - 1)) / _left(span, level)
+
+
+def _left(span: Span, level: int) -> Energy | float:
+    """The share of a noise's energy that unwarping leaves."""
+    return 1.0 if span.left is None else span.left[level]
