@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from swimlab.footage.colour_tags import stated_space
-from swimlab.runs.frames import FrameError, Image, oiio_name, read_wanted
+from swimlab.runs.frames import FrameError, Image, oiio_name, read_pixels
 
 _SQUARE = 1e-3
 """Pixels whose sides differ by less, as a share, are square."""
@@ -90,8 +90,6 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
 
     Integers are scaled to 0..1; colours are neither decoded nor multiplied. Raises FrameError.
     """
-    import OpenImageIO as oiio  # noqa: N813, heavy
-
     source = _open(path)
     if not source.seek_subimage(part, 0):
         raise FrameError(f"{path}: has no part {part}")
@@ -101,7 +99,7 @@ def read_stored(path: Path, part: int, channels: Sequence[str]) -> Image:
     if absent:
         raise FrameError(f"{path}: has no channel {', '.join(absent)}; it has {', '.join(names)}")
     wanted = [names.index(name) for name in channels]
-    chosen = read_wanted(lambda first, stop: source.read_image(part, 0, first, stop, oiio.FLOAT), wanted)
+    chosen = read_pixels(source, wanted, part=part)
     source.close()
     if chosen is None:
         raise FrameError(f"{path}: is damaged: {source.geterror().strip()}")

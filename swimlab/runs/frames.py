@@ -1,7 +1,7 @@
 """Frame files: RGBA pictures and geometry as EXR through OpenImageIO, and pictures to look at as PNG."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,9 @@ Image = NDArray[np.float32]
 COLOUR = ("R", "G", "B", "A")
 GEOMETRY = ("coverage", "motion.X", "motion.Y", "depth.Z")
 
+
+STRIP = 64
+"""Scanlines of an EXR read at a time, if a block of its compression is not larger."""
 
 WRITTEN = "1970:01:01 00:00:00"
 """The date in every file, in place of the present one: the same picture is the same bytes. run.json has the date."""
@@ -122,27 +125,50 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
     if missing:
         raise FrameError(f"{path}: has no channel {', '.join(missing)}; it has {', '.join(names)}")
     wanted = [names.index(name) for name in channels]
-    if rows is None:
-        pixels = read_wanted(lambda first, stop: source.read_image(0, 0, first, stop, oiio.FLOAT), wanted)
-    else:
-        top, bottom = (source.spec().y + row for row in rows)
-        pixels = read_wanted(
-            lambda first, stop: source.read_scanlines(0, 0, top, bottom, 0, first, stop, oiio.FLOAT), wanted
-        )
+    top = source.spec().y
+    pixels = read_pixels(source, wanted, rows=None if rows is None else (top + rows[0], top + rows[1]))
     source.close()
     if pixels is None:
         raise FrameError(f"{path}: is damaged: {source.geterror()}")
     return pixels
 
 
-def read_wanted(read: Callable[[int, int], Image | None], wanted: Sequence[int]) -> Image | None:
-    """Channels by their numbers [H, W, len(wanted)], float32, from what reads a run of them; None if it gives None."""
+def read_pixels(
+    source: Any, wanted: Sequence[int], *, part: int = 0, rows: tuple[int, int] | None = None
+) -> Image | None:
+    """Channels by their numbers of an open file's part [H, W, len(wanted)], float32; None if it cannot be read.
+
+    rows: rows first..end-1 alone, as the file counts them. The scanlines of an EXR come in strips that stay in the
+    cache, and halves as halves: all in one piece they take a third longer.
+    """
+    spec = source.spec()
+    top, bottom = rows or (spec.y, spec.y + spec.height)
+    found = np.empty((bottom - top, spec.width, len(wanted)), np.float32)
+    block = spec.get_int_attribute("oiio:RowsPerChunk", 0)
+    step = max(1, STRIP // block) * block if block and not spec.tile_width else bottom - top
+    for row in range(top, bottom, max(1, step)):
+        end = min(row + step, bottom)
+        strip = _read_strip(source, spec, part, wanted, row, end)
+        if strip is None:
+            return None
+        found[row - top : end - top] = strip
+    return found
+
+
+def _read_strip(source: Any, spec: Any, part: int, wanted: Sequence[int], top: int, bottom: int) -> Any:
+    """Rows of channels by their numbers, halves where all are."""
+    import OpenImageIO as oiio  # noqa: N813, heavy
+
     first, stop = min(wanted), max(wanted) + 1
-    pixels = read(first, stop)
-    if pixels is None:
-        return None
-    chosen = pixels if list(wanted) == list(range(first, stop)) else pixels[..., [each - first for each in wanted]]
-    return np.ascontiguousarray(chosen, np.float32)
+    kinds = list(spec.channelformats) or [spec.format] * spec.nchannels
+    kind = oiio.HALF if all(each == oiio.HALF for each in kinds[first:stop]) else oiio.FLOAT
+    if (top, bottom) == (spec.y, spec.y + spec.height):
+        strip = source.read_image(part, 0, first, stop, kind)
+    else:
+        strip = source.read_scanlines(part, 0, top, bottom, 0, first, stop, kind)
+    if strip is None or list(wanted) == list(range(first, stop)):
+        return strip
+    return strip[..., [each - first for each in wanted]]
 
 
 COMPRESSION = 6
