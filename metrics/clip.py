@@ -83,6 +83,8 @@ class Clip:
 
         Raises ClipError naming the frame if it is not [H, W, 3], has another size or holds NaN or Inf.
         """
+        import cv2  # heavy
+
         if t == 0 and self._first:
             return self._first.pop()
         raw = np.asarray(self.frame(t))
@@ -91,8 +93,9 @@ class Clip:
         if not self._shape:
             self._shape.append((raw.shape[0], raw.shape[1]))
         self._check(raw, "frame", t)
-        precision = np.float64 if raw.dtype.itemsize > 4 else np.float32
-        return np.ascontiguousarray(np.moveaxis(raw, 2, 0), dtype=precision)
+        planes = np.empty((3, *raw.shape[:2]), np.float64 if raw.dtype.itemsize > 4 else np.float32)
+        cv2.split(np.asarray(raw, planes.dtype), list(planes))
+        return planes
 
     def share(self, t: int) -> Image | None:
         """[H, W], how much of each pixel of frame t a surface covers, 0..1; None if there is no mask."""

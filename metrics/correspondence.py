@@ -14,7 +14,8 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.geometry import Field, Geometry, Mask, Surface
-from metrics.kernels.edges import claim, find_smooth, land_rows
+from metrics.kernels.claims import claim_rows
+from metrics.kernels.edges import find_smooth, land_rows
 from metrics.kernels.follow import steps
 from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
 from metrics.kernels.interpolation import Splines, taken
@@ -190,7 +191,7 @@ class Correspondence:
             launcher, shape = self._launcher, self._geometry.shape
             smooth = launcher.empty(shape, wp.uint8)
             fields = [launcher.view(_field(surface), wp.vec2), BEND, launcher.view(whole, wp.uint8), smooth]
-            launcher.over(shape[0], find_smooth, (), fields)
+            launcher.over(shape[0], find_smooth(launcher.device), (), fields)
             whole = smooth.numpy()
         square = np.ones((2 * MARGIN + 1, 2 * MARGIN + 1), np.uint8)
         return np.asarray(cv2.erode(whole, square, borderType=cv2.BORDER_CONSTANT, borderValue=0)).view(bool)
@@ -215,7 +216,8 @@ def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Field, Field
     shape = (*shown.shape, 2)
     least, most = (launcher.filled(shape, wp.float32, limit) for limit in (np.inf, -np.inf))
     shown_there = launcher.view(shown.view(np.uint8), wp.uint8)
-    launcher.launch(claim, shown.shape[0], [launcher.view(motion, wp.vec2), shown_there, least, most])
+    inputs = [launcher.view(motion, wp.vec2), shown_there, least, most]
+    launcher.launch(claim_rows(launcher.device), shown.shape[0], inputs)
     return np.asarray(least.numpy()), np.asarray(most.numpy())
 
 

@@ -18,8 +18,9 @@ from metrics.clip import Image
 from metrics.correspondence import claims
 from metrics.geometry import Field, Geometry, Mask, Surface
 from metrics.glints import Counted, count
+from metrics.kernels.claims import own_places
 from metrics.kernels.launch import Launcher
-from metrics.kernels.pairs import COLUMNS, columns, mark_landed, own_places, sum_blocks
+from metrics.kernels.pairs import COLUMNS, columns, mark_landed, sum_blocks
 from metrics.kernels.pattern import pattern_at
 from metrics.spans import Placement, Span
 from metrics.synthetic import texture
@@ -144,7 +145,7 @@ def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
     limits = [launcher.view(limit, wp.float32) for limit in claims(launcher, surface.motion, surface.covered)]
     owner = launcher.empty(covered.shape, wp.vec2)
     fields = [launcher.view(own, wp.vec2), launcher.view(covered.view(np.uint8), wp.uint8), ALIKE, owner]
-    launcher.over(covered.shape[0], own_places, (), [*limits, *fields])
+    launcher.over(covered.shape[0], own_places(launcher.device), (), [*limits, *fields])
     return owner
 
 

@@ -136,6 +136,8 @@ class _Standing:
 
 def _standing(shape: tuple[int, int], steps: NDArray[np.intp], mask: Callable[[int], Mask | None]) -> list[_Standing]:
     """For every size where tiles stay inside the frame and covered, for steps (y, x) of the surface in px."""
+    import cv2  # heavy
+
     low, high = np.minimum(steps.min(axis=0), 0), np.maximum(steps.max(axis=0), 0)
     first = (int(-low[0]), int(-low[1]))
     room = [tuple(max(0, int(n)) for n in np.array(shape) + low - high - size + 1) for size in SIZES]
@@ -144,12 +146,12 @@ def _standing(shape: tuple[int, int], steps: NDArray[np.intp], mask: Callable[[i
         covered = mask(index)
         if covered is None:
             continue
-        integral = _integral(covered)
         for size, standing in zip(SIZES, stands, strict=True):
             height, width = standing.where.shape
             if height and width:
-                corner = integral[first[0] + down :, first[1] + right :]
-                np.logical_and(standing.where, _sums(corner, height, width, size) == size**2, out=standing.where)
+                whole = cv2.erode(covered.view(np.uint8), np.ones((size, size), np.uint8), anchor=(0, 0)).view(bool)
+                top, left = first[0] + down, first[1] + right
+                standing.where[...] &= whole[top : top + height, left : left + width]
     return stands
 
 
@@ -172,18 +174,6 @@ def _apart(origin: NDArray[np.intp], size: int) -> Mask:
     chosen = np.zeros(len(origin), dtype=bool)
     chosen[apart[np.linspace(0, len(apart) - 1, min(SAMPLE, len(apart))).round().astype(int)]] = True
     return chosen
-
-
-def _integral(mask: Mask) -> NDArray[np.int32]:
-    padded = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
-    np.cumsum(np.cumsum(mask, axis=0, dtype=np.int32), axis=1, out=padded[1:, 1:])
-    return padded
-
-
-def _sums(integral: NDArray[np.int32], height: int, width: int, size: int) -> NDArray[np.int32]:
-    """Sums over all size x size blocks whose first pixel is in height x width."""
-    band = integral[size : size + height] - integral[:height]
-    return np.asarray(band[:, size : size + width] - band[:, :width])
 
 
 def _add_weight(weight: NDArray[np.float64], level: Level) -> None:

@@ -157,6 +157,71 @@ def landed(launcher, shoot, land, width):
         yield usable.numpy()
 
 
+def surfaces():
+    """A motion field of 9 rows in which surfaces meet, some of it unknown far away, and where they are shown."""
+    random = np.random.default_rng(0)
+    motion = np.where(random.random((9, 50, 1)) < 0.9, (1.3, -0.6), (-2.0, 3.0)) + random.normal(0, 0.1, (9, 50, 2))
+    motion[4, :3] = (1e30, np.nan), (-1e30, 0), (0, 1e6)
+    return motion.astype(np.float32), (random.random((9, 50)) < 0.9).view(np.uint8)
+
+
+def marked(launcher, shoot, mark, width):
+    """Every row, at the edges of the picture too."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(motion: wp.array2d(dtype=wp.vec2), whole: wp.array2d(dtype=wp.uint8), found: wp.array2d(dtype=wp.uint8)):
+        mark(wp.tid(), motion, 0.25, whole, found)
+
+    motion, whole = surfaces()
+    found = launcher.empty(whole.shape, wp.uint8)
+    launcher.launch(kernel, len(whole), [launcher.array(motion, wp.vec2), launcher.array(whole, wp.uint8), found])
+    assert 0.1 < found.numpy().mean() < whole.mean() - 0.1
+    yield found.numpy()
+
+
+def claimed(launcher, shoot, claim, width):
+    """Every row; some places are claimed by several pixels and some by none."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        motion: wp.array2d(dtype=wp.vec2),
+        shown: wp.array2d(dtype=wp.uint8),
+        least: wp.array3d(dtype=wp.float32),
+        most: wp.array3d(dtype=wp.float32),
+    ):
+        claim(wp.tid(), motion, shown, least, most)
+
+    motion, shown = surfaces()
+    least, most = (launcher.filled((9, 50, 2), wp.float32, limit) for limit in (np.inf, -np.inf))
+    launcher.launch(kernel, 9, [launcher.array(motion, wp.vec2), launcher.array(shown, wp.uint8), least, most])
+    assert (most.numpy() - least.numpy() > 2).any()
+    assert np.isinf(least.numpy()).any()
+    yield from (least.numpy(), most.numpy())
+
+
+def settled(launcher, shoot, settle, width):
+    """Every row, where claims agree, where they differ, and where there are none."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        least: wp.array3d(dtype=wp.float32),
+        most: wp.array3d(dtype=wp.float32),
+        motion: wp.array2d(dtype=wp.vec2),
+        covered: wp.array2d(dtype=wp.uint8),
+        owner: wp.array2d(dtype=wp.vec2),
+    ):
+        settle(wp.tid(), least, most, motion, covered, 0.3, owner)
+
+    motion, covered = surfaces()
+    least = np.where(np.roll(motion, 3, axis=1)[..., :1] < 0, np.float32(np.inf), motion[::-1])
+    most = np.where(np.isinf(least), np.float32(-np.inf), least + np.float32([0.2, 0.1]) * (1 + covered[..., None]))
+    owner = launcher.empty(covered.shape, wp.vec2)
+    limits = [launcher.array(limit, wp.float32) for limit in (least, most)]
+    launcher.launch(kernel, 9, [*limits, launcher.array(motion, wp.vec2), launcher.array(covered, wp.uint8), owner])
+    assert np.isnan(owner.numpy()[covered == 0]).all()
+    yield from (np.isnan(owner.numpy()), np.nan_to_num(owner.numpy()))
+
+
 def compared(launcher, shoot, compare, width):
     """Every pixel of a frame, with surfaces that are alike, that are not, and that are unknown, past all edges."""
 
@@ -203,112 +268,6 @@ def waves(launcher, shoot, sum_waves, width):
     yield values.numpy()
 
 
-def transformed(launcher, shoot, transform, size):
-    """A tile of two channels, beside the corner of a picture."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        picture: wp.array3d(dtype=wp.float32),
-        corners: wp.array2d(dtype=wp.int32),
-        window: wp.array2d(dtype=wp.float32),
-        levelling: wp.array2d(dtype=wp.float32),
-        phase: wp.array3d(dtype=wp.float32),
-        spectra: wp.array3d(dtype=wp.float32),
-        mean: wp.array2d(dtype=wp.float32),
-    ):
-        transform(wp.tid(), picture, corners, window, levelling, phase, spectra, mean)
-
-    random = np.random.default_rng(size)
-    shapes = ((2, size + 3, size + 5), (size, size), (size, size), (2, size, size // 2 + 1))
-    picture, *rest = (random.uniform(-1, 1, shape).astype(np.float32) / size for shape in shapes)
-    spectra, mean = np.zeros((2, size, size + 2), np.float32), np.zeros((1, 2), np.float32)
-    launcher.launch(kernel, 2, [picture, np.array([[3, 4]], np.int32), *rest, spectra, mean])
-    yield from (spectra / np.abs(spectra).max(), mean / np.abs(mean).max())
-
-
-def spectra_and_octaves():
-    """Of three tiles of two channels; the octaves of some parts are all one."""
-    random = np.random.default_rng(0)
-    octaves = np.concatenate([np.full(32, 4), random.integers(0, 6, 32)]).astype(np.int32)
-    return random.random((3, 2, 64), np.float32), octaves
-
-
-def summed(launcher, shoot, add, width):
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        spectra: wp.array3d(dtype=wp.float32),
-        octaves: wp.array(dtype=wp.int32),
-        energies: wp.array3d(dtype=wp.float64),
-    ):
-        add(wp.tid(), spectra, octaves, energies)
-
-    energies = np.zeros((3, 1, 6))
-    launcher.launch(kernel, 3, [*spectra_and_octaves(), energies])
-    yield energies
-
-
-def followed(launcher, shoot, follow, width):
-    """A mean that goes a part of the way, and all of it."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        spectra: wp.array3d(dtype=wp.float32),
-        before: wp.array3d(dtype=wp.float32),
-        mean: wp.array3d(dtype=wp.float32),
-        share: wp.float32,
-        octaves: wp.array(dtype=wp.int32),
-        energies: wp.array3d(dtype=wp.float64),
-    ):
-        follow(wp.tid(), spectra, before, mean, share, octaves, energies)
-
-    spectra, octaves = spectra_and_octaves()
-    for share in (0.3, 1.0):
-        mean, energies = np.full_like(spectra, 0.5), np.zeros((3, 3, 6))
-        launcher.launch(kernel, 3, [spectra, 0.7 * spectra, mean, share, octaves, energies])
-        yield from (mean, energies)
-
-
-def followed_both(launcher, shoot, follow, width):
-    """The same beside others."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        spectra: wp.array3d(dtype=wp.float32),
-        before: wp.array3d(dtype=wp.float32),
-        mean: wp.array3d(dtype=wp.float32),
-        other: wp.array3d(dtype=wp.float32),
-        other_mean: wp.array3d(dtype=wp.float32),
-        share: wp.float32,
-        octaves: wp.array(dtype=wp.int32),
-        energies: wp.array3d(dtype=wp.float64),
-    ):
-        follow(wp.tid(), spectra, before, mean, other, other_mean, share, octaves, energies)
-
-    spectra, octaves = spectra_and_octaves()
-    for share in (0.3, 1.0):
-        mean, other_mean, energies = 0.9 * spectra, spectra[::-1].copy(), np.zeros((3, 5, 6))
-        inputs = [spectra, 0.7 * spectra, mean, 1 - spectra, other_mean, share, octaves, energies]
-        launcher.launch(kernel, 3, inputs)
-        yield from (mean, other_mean, energies)
-
-
-def by_strip(launcher, shoot, add, width):
-    """Three tiles of two strips."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def kernel(
-        test: wp.array3d(dtype=wp.float32),
-        error: wp.array3d(dtype=wp.float32),
-        strips: wp.array(dtype=wp.int32),
-        power: wp.array3d(dtype=wp.float64),
-    ):
-        add(wp.tid(), test, error, strips, power)
-
-    test, power = spectra_and_octaves()[0], np.zeros((2, 3, 32))
-    launcher.launch(kernel, 2, [test, 0.3 * test[::-1], np.array([0, 1, 0], np.int32), power])
-    yield power
-
-
 RUNS = {
     ("first", "source", "values", "scratch"): filtered,
     ("line", "field", "top", "away"): taken_back,
@@ -317,12 +276,10 @@ RUNS = {
     ("line", "motion", "earlier", "away"): glued_ahead,
     ("line", "picture", "away", "usable", "top", "seen"): unwarped,
     ("line", "inner", "top", "away", "shortest", "usable"): landed,
+    ("row", "motion", "bend", "whole", "smooth"): marked,
+    ("row", "motion", "shown", "least", "most"): claimed,
+    ("row", "least", "most", "motion", "covered", "alike", "owner"): settled,
     ("frame", "before", "moved", "owner", "alike", "row", "column"): compared,
     ("row", "across", "along", "frequency", "amplitude", "away", "values"): waves,
-    ("index", "picture", "corners", "window", "levelling", "phase", "spectra", "mean"): transformed,
-    ("tile", "spectra", "octaves", "energies"): summed,
-    ("tile", "spectra", "before", "mean", "share", "octaves", "energies"): followed,
-    ("tile", "spectra", "before", "mean", "other", "other_mean", "share", "octaves", "energies"): followed_both,
-    ("strip", "test", "error", "strips", "power"): by_strip,
 }
 """Parameters of a form -> what runs it."""

@@ -1,4 +1,4 @@
-"""Where surfaces end: where they can be followed, where their motion bends, and which pixels claim one place.
+"""Where surfaces end: where they can be followed, and where their motion bends.
 
 A thread takes a row of pixels: to find its pixel would cost one that takes a pixel more than its work.
 """
@@ -150,41 +150,60 @@ def bends(
     return wp.abs(bent[0]) > bend or wp.abs(bent[1]) > bend
 
 
-@wp.kernel
-def find_smooth(
-    first: wp.int32,
-    motion: wp.array2d(dtype=wp.vec2),
-    bend: wp.float32,
-    whole: wp.array2d(dtype=wp.uint8),
-    smooth: wp.array2d(dtype=wp.uint8),
-):
-    """smooth: wholly covered pixels at which the motion has no edge."""
-    row = first + wp.tid()
-    for column in range(motion.shape[1]):
-        smooth[row, column] = whole[row, column]
-        if whole[row, column] != wp.uint8(0):
+_SMOOTH = """
+    const int height = motion.shape[0], width = motion.shape[1];
+    const long here = (long)row*width;
+    const float* const moved = (const float*)motion.data + 2*here;
+    const unsigned char* const covered = (const unsigned char*)whole.data + here;
+    unsigned char* const to = (unsigned char*)smooth.data + here;
+    const auto bent = [&](int column, int step) {
+        const float* const at = moved + 2*column;
+        const float x = at[-2*step] - 2.0f*at[0] + at[2*step], y = at[1 - 2*step] - 2.0f*at[1] + at[1 + 2*step];
+        const bool both = covered[column - step] != 0 && covered[column + step] != 0;
+        return both & (__builtin_fabsf(x) > bend || __builtin_fabsf(y) > bend);
+    };
+    const bool inside = row > 0 && row < height - 1;
+    for (int column = 0; column < width; ++column) {
+        bool edge = inside && bent(column, width);
+        edge |= column > 0 && column < width - 1 && bent(column, 1);
+        to[column] = edge ? 0 : covered[column];
+    }
+"""
+
+
+@form()
+def row_smoothness() -> Twins:
+    """The function that finds the wholly covered pixels of a row at which the motion has no edge."""
+
+    @wp.func(module="unique")
+    def mark(
+        row: wp.int32,
+        motion: wp.array2d(dtype=wp.vec2),
+        bend: wp.float32,
+        whole: wp.array2d(dtype=wp.uint8),
+        smooth: wp.array2d(dtype=wp.uint8),
+    ):
+        for column in range(motion.shape[1]):
+            smooth[row, column] = whole[row, column]
             if bends(motion, bend, whole, row, column, 1, 0) or bends(motion, bend, whole, row, column, 0, 1):
                 smooth[row, column] = wp.uint8(0)
 
+    return Twins(mark, _SMOOTH)
 
-@wp.kernel
-def claim(
-    motion: wp.array2d(dtype=wp.vec2),
-    shown: wp.array2d(dtype=wp.uint8),
-    least: wp.array3d(dtype=wp.float32),
-    most: wp.array3d(dtype=wp.float32),
-):
-    """Every pixel shown claims the place that it comes from: of the motions that claim a place the least and the most.
 
-    It writes where others may write too: on the CPU it is launched once, for all rows.
-    """
-    row = wp.tid()
-    for column in range(motion.shape[1]):
-        if shown[row, column] != wp.uint8(0):
-            moved = motion[row, column]
-            x = wp.int32(wp.rint(wp.float32(column) - moved[0]))
-            y = wp.int32(wp.rint(wp.float32(row) - moved[1]))
-            if x >= 0 and y >= 0 and x < motion.shape[1] and y < motion.shape[0]:
-                for axis in range(2):
-                    wp.atomic_min(least, y, x, axis, moved[axis])
-                    wp.atomic_max(most, y, x, axis, moved[axis])
+@made_once
+def find_smooth(device: str) -> wp.Kernel:
+    """The kernel that runs `row_smoothness`, a row a thread."""
+    mark = row_smoothness().on(device)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first: wp.int32,
+        motion: wp.array2d(dtype=wp.vec2),
+        bend: wp.float32,
+        whole: wp.array2d(dtype=wp.uint8),
+        smooth: wp.array2d(dtype=wp.uint8),
+    ):
+        mark(first + wp.tid(), motion, bend, whole, smooth)
+
+    return kernel

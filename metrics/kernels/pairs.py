@@ -31,33 +31,6 @@ def hat(x: wp.float32) -> wp.float32:
     return wp.max(0.0, 1.0 - wp.abs(x))
 
 
-@wp.kernel
-def own_places(
-    first: wp.int32,
-    least: wp.array3d(dtype=wp.float32),
-    most: wp.array3d(dtype=wp.float32),
-    motion: wp.array2d(dtype=wp.vec2),
-    covered: wp.array2d(dtype=wp.uint8),
-    alike: wp.float32,
-    owner: wp.array2d(dtype=wp.vec2),
-):
-    """owner: motion into this frame of what each pixel of the frame before shows, px; NaN where it is not known.
-
-    That of the pixels that claim it where they agree (see `edges.claim`), else what the frame before has itself.
-    """
-    row = first + wp.tid()
-    for column in range(motion.shape[1]):
-        low = wp.vec2(least[row, column, 0], least[row, column, 1])
-        high = wp.vec2(most[row, column, 0], most[row, column, 1])
-        found = motion[row, column]
-        # Where nothing claims the place these are infinite, and no comparison holds.
-        if high[0] - low[0] <= alike and high[1] - low[1] <= alike and high[0] >= low[0]:
-            found = (low + high) / 2.0
-        if covered[row, column] == wp.uint8(0):
-            found = wp.vec2(wp.nan, wp.nan)
-        owner[row, column] = found
-
-
 _PAIR = """
     const auto cubic = [](float x) {
         const float a = __builtin_fabsf(x);

@@ -7,6 +7,7 @@ from pkgutil import walk_packages
 import measuring_forms
 import numpy as np
 import pytest
+import spectral_forms
 import temporal_forms
 import warp as wp
 from packets import SAMPLES, in_rows, shade
@@ -348,6 +349,7 @@ RUNS = (
         ("texels", "tiles", "kept", "first", "count", "level", "pages", "held"): kept,
     }
     | measuring_forms.RUNS
+    | spectral_forms.RUNS
 )
 """Parameters of a form -> what runs a function of these parameters and yields its results."""
 
