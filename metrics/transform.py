@@ -45,18 +45,18 @@ class TileTransform:
         whole, (down, right) = split(offset)
         self.origin = level.origin + np.array(whole) - np.array([first_row, 0])
         self.size = size
-        self.window = np.outer(window(size, down), window(size, right)).astype(np.float32, order="C")
-        self.weight = float(np.sum(self.window**2, dtype=np.float64))
-        hann = _hann(size, down)[:, None] * _hann(size, right)[None, :]
-        levelling = np.where(self.window > 0, hann / np.maximum(self.window, 1e-30), 0.0) / hann.sum()
-        self._levelling = levelling.astype(np.float32, order="C")
-        vertical, horizontal = level.frequencies()
+        self.window = np.stack([window(size, down), window(size, right)]).astype(np.float32)
+        self.weight = float(np.prod(np.sum(self.window**2, axis=1, dtype=np.float64)))
+        hann = np.stack([_hann(size, down), _hann(size, right)])
+        levelling = np.where(self.window > 0, hann / np.maximum(self.window, 1e-30), 0.0)
+        self._levelling = (levelling / hann.sum(axis=1, keepdims=True)).astype(np.float32)
+        vertical, horizontal = (each.ravel() for each in level.frequencies())
         middle = (size - 1) / 2
-        scale = np.full(size // 2 + 1, np.sqrt(2.0))
-        scale[[0, -1]] = 1.0
-        turn = np.exp(2j * np.pi * (vertical * (middle + down) + horizontal * (middle + right)))
-        phase = turn * scale / size
-        self._phase = np.stack([phase.real, phase.imag]).astype(np.float32, order="C")
+        scale = np.full(size // 2 + 1, np.sqrt(2.0) / size)
+        scale[[0, -1]] = 1.0 / size
+        turns = [np.exp(2j * np.pi * vertical * (middle + down)), np.exp(2j * np.pi * horizontal * (middle + right))]
+        turns[1] *= scale
+        self._turns = [np.stack([turn.real, turn.imag]).astype(np.float32) for turn in turns]
         self._corners = self.origin.astype(np.int32, order="C")
 
     @cached_property
@@ -78,7 +78,7 @@ class TileTransform:
         shape = (len(corners), len(planes))
         spectra: Spectrum = np.empty((*shape, self.size, self.size // 2 + 1), np.complex64)
         mean: Picture = np.empty(shape, np.float32)
-        inputs = [np.ascontiguousarray(planes), corners, self.window, self._levelling, self._phase]
+        inputs = [np.ascontiguousarray(planes), corners, self.window, self._levelling, *self._turns]
         parts = spectra.view(np.float32).reshape(-1, self.size, self.size + 2, copy=False)
         on_cpu(tile_spectra(self.size), len(parts), [*inputs, parts, mean])
         return spectra, mean
@@ -94,7 +94,7 @@ class TileTransform:
         )
         y, x = self.origin[tiles].T
         blocks: Picture = every[y, x]
-        blocks *= self.window
+        blocks *= np.outer(*self.window)
         return blocks
 
     def power_mean(self, planes: Picture) -> Energy:
@@ -103,7 +103,7 @@ class TileTransform:
         for first in range(0, len(found), _SOME):
             tiles = slice(first, first + _SOME)
             blocks = self.blocks(planes, tiles)
-            found[tiles] = np.vecdot(blocks.reshape(*blocks.shape[:2], -1), self.window.ravel())
+            found[tiles] = np.vecdot(blocks.reshape(*blocks.shape[:2], -1), np.outer(*self.window).ravel())
         return found / self.weight
 
 
