@@ -7,8 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.memory import unset
+
 WHOLE = 1 - 1e-6
 """Coverage from which on a surface covers the whole pixel."""
+
+_ROWS = 64
+"""Rows looked at together."""
 
 Image = NDArray[Any]
 FrameSource = Callable[[int], Image]
@@ -93,8 +98,11 @@ class Clip:
         if not self._shape:
             self._shape.append((raw.shape[0], raw.shape[1]))
         self._check(raw, "frame", t)
-        planes = np.empty((3, *raw.shape[:2]), np.float64 if raw.dtype.itemsize > 4 else np.float32)
-        cv2.split(np.asarray(raw, planes.dtype), list(planes))
+        precision = np.float64 if raw.dtype.itemsize > 4 else np.float32
+        planes = np.moveaxis(np.asarray(raw, precision), 2, 0)
+        if not planes.flags.c_contiguous:
+            planes = unset(planes.shape, precision)
+            cv2.split(np.asarray(raw, precision), list(planes))
         return planes
 
     def share(self, t: int) -> Image | None:
@@ -120,11 +128,10 @@ class Clip:
         raw = np.asarray(self.motion(t), dtype=np.float32)
         if raw.ndim != 3 or raw.shape[2] != 2:
             raise ClipError(f"motion of frame {t} has shape {raw.shape}; give height x width x 2 (x, y)")
-        finite = np.isfinite(raw)
-        whole = bool(finite.all())
+        whole = _finite(raw)
         covered = None if whole else self.covered(t)
         if covered is not None and covered.shape == raw.shape[:2]:
-            raw = np.where(finite | covered[:, :, None], raw, np.float32(0.0))
+            raw = np.where(np.isfinite(raw) | covered[:, :, None], raw, np.float32(0.0))
         self._check(raw, "motion of frame", t, finite=not whole)
         return raw
 
@@ -143,10 +150,15 @@ class Clip:
                 f"{what} {t} is {width}x{height} px, but the clip is {second}x{first} px; "
                 "all frames of a clip need one size"
             )
-        if finite and not np.all(np.isfinite(raw)):
+        if finite and not _finite(raw):
             bad = np.argwhere(~np.isfinite(raw))
             row, column = bad[0][:2]
             raise ClipError(
                 f"{what} {t} holds {len(bad)} NaN or infinite values, the first at pixel x {column}, y {row}; "
                 "mend the frame or leave it out"
             )
+
+
+def _finite(raw: Image) -> bool:
+    """Whether all values are finite; found some rows at a time, which stay in the cache."""
+    return all(bool(np.isfinite(raw[row : row + _ROWS]).all()) for row in range(0, len(raw), _ROWS))

@@ -91,8 +91,8 @@ class Correspondence:
         """Rows of a picture [channels, H, W] as seen from the middle frame: taken `away`, 0 where not usable."""
         launcher = self._launcher
         usable = launcher.view(self.usable[rows].view(np.uint8), wp.uint8)
-        with self._splines.of_picture(picture.astype(np.float32, copy=False)) as spline:
-            return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
+        spline = self._splines.of_picture(picture.astype(np.float32, copy=False))
+        return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
 
     def left_of(self, levels: Sequence[Level]) -> list[NDArray[np.float64]]:
         """For every level [n, octaves], the share of a noise's energy that is left in its tiles, mean over the frames.
@@ -113,8 +113,7 @@ class Correspondence:
         away = rest
         for t in range(self._middle - 1, self._start - 1, -1):
             after = _field(self._geometry.surface(t + 1))
-            with self._splines.of_field(after) as motion:
-                away = self._glued(self._steps.glue_back, motion, away)
+            away = self._glued(self._steps.glue_back, self._splines.of_field(after), away)
         for t in range(self._start, self._stop):
             if t > self._start:
                 motion = _field(self._geometry.surface(t))
@@ -136,8 +135,7 @@ class Correspondence:
         self._sum_gains(away, gains)
         for t in range(self._middle - 1, self._start - 1, -1):
             after = self._geometry.surface(t + 1)
-            with self._splines.of_field(_field(after)) as field:
-                launcher.over(shape[0], self._steps.back, (), [field, 0, away])
+            launcher.over(shape[0], self._steps.back, (), [self._splines.of_field(_field(after)), 0, away])
             inner = self._inner(t, self._geometry.surface(t)) & ~self._meet(after)
             self._land(inner, away, usable)
             self._sum_gains(away, gains)
@@ -155,7 +153,8 @@ class Correspondence:
             self._sum_gains(away, gains)
             if later is not None:
                 later.append(np.array(away.numpy()))
-        left = gains.numpy() / np.float32(self._stop - self._start)
+        left = gains.numpy()
+        left /= np.float32(self._stop - self._start)
         return first, usable.numpy().astype(bool), left
 
     def _sum_gains(self, away: Any, gains: Any) -> None:
@@ -166,8 +165,8 @@ class Correspondence:
 
     def _step_ahead(self, t: int, top: int, away: Any, moved: Any, usable: Any) -> None:
         launcher = self._launcher
-        with self._splines.of_field(_field(self._geometry.surface(t))) as field:
-            launcher.over(away.shape[0], self._steps.ahead, (), [field, top, away, moved, LOST, usable])
+        field = self._splines.of_field(_field(self._geometry.surface(t)))
+        launcher.over(away.shape[0], self._steps.ahead, (), [field, top, away, moved, LOST, usable])
 
     def _land(self, inner: Mask, away: Any, usable: Any) -> None:
         launcher = self._launcher
@@ -178,8 +177,7 @@ class Correspondence:
         """Where what a frame sees is in the middle frame, from where what its neighbour sees is."""
         launcher, shape = self._launcher, self._geometry.shape
         away = launcher.empty(shape, wp.vec2)
-        with self._splines.of_field(nearer) as there:
-            launcher.over(shape[0], kernel, (), [motion, there, away])
+        launcher.over(shape[0], kernel, (), [motion, self._splines.of_field(nearer), away])
         return np.asarray(away.numpy())
 
     def _inner(self, t: int, surface: Surface) -> Mask:
@@ -205,20 +203,18 @@ class Correspondence:
         if max(float(np.ptp(motion[..., axis])) for axis in range(2)) <= APART:
             return np.zeros(surface.whole.shape, dtype=bool)
         least, most = claims(self._launcher, motion, surface.whole)
-        return np.asarray(((most - least) > APART).any(axis=2))
+        return np.asarray(((most.numpy() - least.numpy()) > APART).any(axis=2))
 
 
-def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Field, Field]:
+def claims(launcher: Launcher, motion: Field, shown: Mask) -> tuple[Any, Any]:
     """Of the motions [H, W, 2] by which pixels shown come from each place of the frame before, the least and the most.
 
-    Two fields [H, W, 2], px; infinite, and the least above the most, where none comes from.
+    Two fields [H, W] on the device, px; infinite, and the least above the most, where none comes from.
     """
-    shape = (*shown.shape, 2)
-    least, most = (launcher.filled(shape, wp.float32, limit) for limit in (np.inf, -np.inf))
-    shown_there = launcher.view(shown.view(np.uint8), wp.uint8)
-    inputs = [launcher.view(motion, wp.vec2), shown_there, least, most]
-    launcher.launch(claim_rows(launcher.device), shown.shape[0], inputs)
-    return np.asarray(least.numpy()), np.asarray(most.numpy())
+    least, most = (launcher.filled(shown.shape, wp.vec2, limit) for limit in (np.inf, -np.inf))
+    inputs = [launcher.view(motion, wp.vec2), launcher.view(shown.view(np.uint8), wp.uint8), least, most]
+    launcher.launch(claim_rows(launcher.device), len(shown), inputs)
+    return least, most
 
 
 def _field(surface: Surface) -> Field:

@@ -41,10 +41,6 @@ class Surface:
         return masks + (0 if self.uniform else self.motion.nbytes)
 
 
-FEWEST = 2
-"""Surfaces that are held whatever the room: a frame's, and that of the frame before or after it."""
-
-
 class Geometry:
     """The surfaces of a clip's frames; of those asked for last as many are held as fit in `room` bytes."""
 
@@ -67,11 +63,15 @@ class Geometry:
     def surface(self, t: int) -> Surface:
         """What frame t shows. Raises ClipError naming the frame if its motion, coverage or depth is bad."""
         with self._lock:
-            surface = self._held.pop(t, None) or read_surface(self.clip, t)
-            self._held[t] = surface
-            while len(self._held) > FEWEST and sum(held.nbytes for held in self._held.values()) > self._room:
+            if t in self._held:
+                self._held.move_to_end(t)
+                return self._held[t]
+            # Room is made before another is read: all that are asked for one after another take about as much.
+            most = max((held.nbytes for held in self._held.values()), default=0)
+            while self._held and sum(held.nbytes for held in self._held.values()) + most > self._room:
                 self._held.popitem(last=False)
-            return surface
+            self._held[t] = read_surface(self.clip, t)
+            return self._held[t]
 
 
 @lru_cache(maxsize=2)

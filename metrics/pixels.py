@@ -22,6 +22,7 @@ from metrics.kernels.claims import own_places
 from metrics.kernels.launch import Launcher
 from metrics.kernels.pairs import COLUMNS, columns, mark_landed, sum_blocks
 from metrics.kernels.pattern import pattern_at
+from metrics.memory import unset
 from metrics.spans import Placement, Span
 from metrics.synthetic import texture
 
@@ -49,34 +50,58 @@ class FrameFound(NamedTuple):
     counted: Counted | None
 
 
+class Paired(NamedTuple):
+    """How a frame goes with the one before.
+
+    covered, reached: [H, W], where a surface is, and where tiles reach it. motion: since the frame before. owner: what
+    that frame shows, as `shown_before` has it; None: there is none. floor: cells of a pattern that is glued to the
+    surface, in the middle of a span.
+    """
+
+    covered: Mask
+    reached: Mask
+    motion: Field
+    owner: Any
+    floor: Cells
+
+
 class Pixels:
     """Looks at a clip's frames one by one, in order, from any one on."""
 
     def __init__(self, geometry: Geometry, launcher: Launcher, *, has_reference: bool) -> None:
         self.geometry, self.launcher, self.has_reference = geometry, launcher, has_reference
         self._last: Image | None = None
+        self._before: Surface | None = None
 
     def lead(self, error: Image | None) -> None:
         """The error of the frame before the first one looked at, as `look` takes it."""
-        self._last = self._error(error)
+        self._last, self._before = self._error(error), None
 
     def begin(self, span: Span) -> None:
         """The frames of the next span follow."""
         self._span, self._places = span, span.placements()
 
-    def look(self, t: int, error: Image | None, place: Placement | None = None) -> FrameFound:
-        """What is found of the next frame by its error [3, H, W], test minus reference; None without one.
+    def pair(self, t: int, place: Placement | None = None) -> Paired:
+        """How the next frame goes with the one before: large ones leave room for it before their pictures are read.
 
         place: where it lies on all rows of the span; None: found here, for all frames of the span.
         """
-        paired = self._last is not None and t not in self.geometry.clip.cuts
-        # In this order: of large frames only the surfaces asked for last are held, and the next pair needs this one.
-        before = self.geometry.surface(t - 1) if paired else None
-        surface = self.geometry.surface(t)
+        before = self._before
+        if self._last is None or t in self.geometry.clip.cuts:
+            before = None
+        elif before is None:
+            before = self.geometry.surface(t - 1)
+        surface = self._before = self.geometry.surface(t)
         reached = reached_pixels(place or next(self._places), self.launcher) & surface.covered
-        error = self._error(error)
         owner = None if before is None else shown_before(surface, before, self.launcher)
-        sums = self._sum(surface, reached, error, self._last, owner)
+        found = Paired(surface.covered, reached, surface.motion, owner, {})
+        middle = t == (self._span.start + self._span.stop) // 2
+        return found._replace(floor=self._floor(found)) if middle and owner is not None else found
+
+    def look(self, t: int, error: Image | None, paired: Paired) -> FrameFound:
+        """What is found of the next frame by its error [3, H, W], test minus reference; None without one."""
+        error = self._error(error)
+        sums = self._sum(paired, error, self._last)
         self._last = error
         covered = np.sum([sums[name] for name in CLASSES], axis=0)
         cells = {f"{name} pixels": sums[name] for name in CLASSES} | {"covered pixels": covered}
@@ -93,36 +118,33 @@ class Pixels:
                 if pixels.sum() > 0:
                     key = "edges_flicker" if name == "edges flicker" else f"{name}_mse"
                     row[key] = float(values.sum() / pixels.sum())
-        if t == (self._span.start + self._span.stop) // 2 and owner is not None and sums["edges"].any():
-            cells |= self._floor(surface, reached, owner)
-        return FrameFound(
-            row, cells, count(error, surface.covered, reached, self.launcher) if self.has_reference else None
-        )
+        counted = count(error, paired.covered, paired.reached, self.launcher) if self.has_reference else None
+        return FrameFound(row, cells | paired.floor, counted)
 
     def _error(self, error: Image | None) -> Image:
         return np.zeros((3, *self.geometry.shape), np.float32) if error is None else np.asarray(error, np.float32)
 
-    def _floor(self, surface: Surface, reached: Mask, owner: Any) -> Cells:
+    def _floor(self, paired: Paired) -> Cells:
         """Pairs of a pattern that is glued to the surface by the motion."""
         waves = texture(0, **_PATTERN)  # type: ignore[arg-type]
-        here, before = np.empty((2, 3, *reached.shape), np.float32)
-        for pattern, moved in ((here, -1), (before, 0)):
-            away = moved * surface.motion
+        here, before = (unset((3, *paired.reached.shape), np.float32) for _ in range(2))
+        for pattern, times in ((here, -1.0), (before, 0.0)):
             for channel in range(3):
-                pattern[channel] = pattern_at(self.launcher, waves.frequency, waves.phase + channel, away)
-        sums = self._sum(surface, reached, here, before, owner)
+                phase = waves.phase + channel
+                pattern[channel] = pattern_at(self.launcher, waves.frequency, phase, paired.motion, times=times)
+        sums = self._sum(paired, here, before)
         return {"glued flicker": pair_flicker(sums), "glued energy": sums["energy"]}
 
-    def _sum(self, surface: Surface, reached: Mask, frame: Image, before: Image | None, owner: Any) -> Cells:
-        """Sums of every cell of the map, [rows, columns]. owner: from `shown_before`; None: no frame is before."""
+    def _sum(self, paired: Paired, frame: Image, before: Image | None) -> Cells:
+        """Sums of every cell of the map, [rows, columns]."""
         launcher, cell = self.launcher, cell_of(self.geometry.shape)
-        down, right = (-(-length // cell) for length in reached.shape)
+        down, right = (-(-length // cell) for length in paired.reached.shape)
         sums = launcher.empty((down, right), columns)
-        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (surface.covered, reached)]
-        here, motion = launcher.view(frame, wp.float32), launcher.view(surface.motion, wp.vec2)
+        masks = [launcher.view(mask.view(np.uint8), wp.uint8) for mask in (paired.covered, paired.reached)]
+        here, motion = launcher.view(frame, wp.float32), launcher.view(paired.motion, wp.vec2)
         pair = [False, here, motion, motion]
-        if owner is not None and before is not None:
-            pair = [True, launcher.view(before, wp.float32), motion, owner]
+        if paired.owner is not None and before is not None:
+            pair = [True, launcher.view(before, wp.float32), motion, paired.owner]
         launcher.over(down, sum_blocks(launcher.device), (right,), [cell, *masks, here, *pair, ALIKE, sums], strip=1)
         return dict(zip(COLUMNS, np.moveaxis(sums.numpy(), 2, 0), strict=True))
 
@@ -142,11 +164,11 @@ def shown_before(surface: Surface, before: Surface, launcher: Launcher) -> Any:
     if surface.uniform:
         return launcher.view(np.where(covered[..., None], surface.motion, np.float32(np.nan)), wp.vec2)
     own = before.motion if before.known else np.full_like(before.motion, np.nan)
-    limits = [launcher.view(limit, wp.float32) for limit in claims(launcher, surface.motion, surface.covered)]
-    owner = launcher.empty(covered.shape, wp.vec2)
-    fields = [launcher.view(own, wp.vec2), launcher.view(covered.view(np.uint8), wp.uint8), ALIKE, owner]
-    launcher.over(covered.shape[0], own_places(launcher.device), (), [*limits, *fields])
-    return owner
+    least, most = claims(launcher, surface.motion, surface.covered)
+    # What is found of a place stands where its least claim stood.
+    fields = [launcher.view(own, wp.vec2), launcher.view(covered.view(np.uint8), wp.uint8), ALIKE, least]
+    launcher.over(covered.shape[0], own_places(launcher.device), (), [least, most, *fields])
+    return least
 
 
 def pair_flicker(sums: Cells) -> NDArray[np.float64]:

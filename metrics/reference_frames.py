@@ -3,8 +3,11 @@
 from collections.abc import Callable, Hashable
 from threading import Lock
 
+import numpy as np
+
 from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
+from metrics.memory import unset
 from metrics.spans import Placement
 
 Exact = tuple[Image, Image | None]
@@ -37,14 +40,21 @@ class ReferenceFrames:
         """Frame t [3, H, W] in the domain, and its half-difference where it is known."""
         return self._hold(t, lambda: self._planes(t))
 
-    def aligned(self, place: Placement, exact: Exact) -> Exact:
-        """The same of the frame, which is given, aligned to a span."""
+    def difference(self, place: Placement, picture: Image, exact: Exact) -> Exact:
+        """An unwarped picture minus the frame, which is given as it is, and the frame's half-difference, unwarped too.
+
+        Unwarping is linear, and most of the work: the difference is taken after it.
+        """
         span, (shown, half) = place.span, exact
+        key = (span.start, span.rows.start, span.rows.stop, place.t)
 
         def align() -> Exact:
             return place.align(shown), None if half is None else place.align(half)
 
-        return self._hold((span.start, span.rows.start, span.rows.stop, place.t), align)
+        aligned, aligned_half = self._hold(key, align)
+        # What is held for the next test stays as it is.
+        into = unset(aligned.shape, aligned.dtype) if key in self._held else aligned
+        return np.subtract(picture, aligned, out=into), aligned_half
 
     def _planes(self, t: int) -> Exact:
         exact = self.reference.planes(t)

@@ -12,6 +12,7 @@ from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.glued import GluedPattern
 from metrics.kernels.launch import Launcher
 from metrics.measurement import Context, Measurement
+from metrics.memory import unset
 from metrics.pixels import Pixels
 from metrics.plan import Plan, velocity_of
 from metrics.reference_frames import ReferenceFrames
@@ -177,11 +178,18 @@ class Measuring:
         floor = GluedPattern(launcher, context.count // 2) if AlignmentFloor in map(type, measures) else None
 
         def read(place: Placement) -> Pictures:
-            picture, t, span = self._shown(place.t), place.t, place.span
+            t, span = place.t, place.span
             glued = None if floor is None else floor.seen(place)
+            paired = None
+            if whole and span.part == 0:
+                paired = pixels.pair(t, place if span.rows == slice(0, span.shape[0]) else None)
+            picture = self._shown(t)
             found = None if exact is None else exact.exact(t)
-            off = None if found is None else picture - found[0]
-            # What is not needed any more goes: large frames are most of the memory.
+            off = None if found is None else _minus(picture, found[0])
+            if paired is not None:
+                take(pixels.look(t, off, paired))
+                paired = None
+            # What is not needed any more goes, here as above: large frames are most of the memory.
             picture = place.align(picture)
             if exact is None or found is None or off is None:
                 aligned = Pictures(picture, glued=glued)
@@ -189,12 +197,7 @@ class Measuring:
                 half, found = found[1], None
                 aligned = Pictures(picture, place.align(off), None if half is None else place.align(half))
             else:
-                # Unwarping is linear, and most of the work: the difference is taken after it.
-                found = exact.aligned(place, found)
-                aligned = Pictures(picture, picture - found[0], found[1], glued)
-                found = None
-            if whole and span.part == 0:
-                take(pixels.look(t, off, place if span.rows == slice(0, span.shape[0]) else None))
+                aligned = Pictures(picture, *exact.difference(place, picture, found), glued)
             return aligned
 
         def advance(done: int) -> None:
@@ -213,7 +216,7 @@ class Measuring:
                     sweep.run(span, advance, lambda found: take(PartFound(found)))
                 elif whole:
                     for t in range(span.start, span.stop):
-                        take(pixels.look(t, self._error(t)))
+                        take(pixels.look(t, self._error(t), pixels.pair(t)))
                         advance(t + 1)
                 take(SpanFound(span.start, span.stop, bool(span.levels)))
 
@@ -222,7 +225,13 @@ class Measuring:
 
     def _error(self, t: int) -> Image | None:
         """Frame t of the test minus that of the reference, [3, H, W]; None without one."""
-        return None if self._exact is None else self._shown(t) - self._exact.exact(t)[0]
+        return None if self._exact is None else _minus(self._shown(t), self._exact.exact(t)[0])
+
+
+def _minus(test: Image, reference: Image) -> Image:
+    difference = unset(test.shape, np.result_type(test, reference))
+    np.subtract(test, reference, out=difference)
+    return difference
 
 
 def _geometry(test: Clip, reference: Clip | None) -> Clip:

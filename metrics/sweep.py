@@ -21,7 +21,7 @@ CHUNK = 4
 
 # Share of the memory for two chunks of frames, and for those that need not be unwarped.
 _FRAMES = 0.1
-_FRAMES_AS_THEY_ARE = 0.35
+_FRAMES_AS_THEY_ARE = 0.3
 
 # Bytes a pixel while a frame is read, and while it is unwarped.
 _READING = 60.0

@@ -186,13 +186,13 @@ def claimed(launcher, shoot, claim, width):
     def kernel(
         motion: wp.array2d(dtype=wp.vec2),
         shown: wp.array2d(dtype=wp.uint8),
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
     ):
         claim(wp.tid(), motion, shown, least, most)
 
     motion, shown = surfaces()
-    least, most = (launcher.filled((9, 50, 2), wp.float32, limit) for limit in (np.inf, -np.inf))
+    least, most = (launcher.filled((9, 50), wp.vec2, limit) for limit in (np.inf, -np.inf))
     launcher.launch(kernel, 9, [launcher.array(motion, wp.vec2), launcher.array(shown, wp.uint8), least, most])
     assert (most.numpy() - least.numpy() > 2).any()
     assert np.isinf(least.numpy()).any()
@@ -204,8 +204,8 @@ def settled(launcher, shoot, settle, width):
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
         motion: wp.array2d(dtype=wp.vec2),
         covered: wp.array2d(dtype=wp.uint8),
         owner: wp.array2d(dtype=wp.vec2),
@@ -216,7 +216,7 @@ def settled(launcher, shoot, settle, width):
     least = np.where(np.roll(motion, 3, axis=1)[..., :1] < 0, np.float32(np.inf), motion[::-1])
     most = np.where(np.isinf(least), np.float32(-np.inf), least + np.float32([0.2, 0.1]) * (1 + covered[..., None]))
     owner = launcher.empty(covered.shape, wp.vec2)
-    limits = [launcher.array(limit, wp.float32) for limit in (least, most)]
+    limits = [launcher.array(limit, wp.vec2) for limit in (least, most)]
     launcher.launch(kernel, 9, [*limits, launcher.array(motion, wp.vec2), launcher.array(covered, wp.uint8), owner])
     assert np.isnan(owner.numpy()[covered == 0]).all()
     yield from (np.isnan(owner.numpy()), np.nan_to_num(owner.numpy()))

@@ -29,7 +29,7 @@ _CLAIM = """
 def row_claims() -> Twins:
     """The function in which every pixel shown of a row claims the place that it comes from.
 
-    motion: [H, W], px since the frame before. least, most: [H, W, 2] (x, y), of the motions that claim a place.
+    motion: [H, W], px since the frame before. least, most: [H, W], of the motions that claim a place.
     """
 
     @wp.func(module="unique")
@@ -37,8 +37,8 @@ def row_claims() -> Twins:
         row: wp.int32,
         motion: wp.array2d(dtype=wp.vec2),
         shown: wp.array2d(dtype=wp.uint8),
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
     ):
         for column in range(motion.shape[1]):
             if shown[row, column] != wp.uint8(0):
@@ -46,9 +46,8 @@ def row_claims() -> Twins:
                 x = wp.int32(wp.rint(wp.float32(column) - moved[0]))
                 y = wp.int32(wp.rint(wp.float32(row) - moved[1]))
                 if x >= 0 and y >= 0 and x < motion.shape[1] and y < motion.shape[0]:
-                    for axis in range(2):
-                        wp.atomic_min(least, y, x, axis, moved[axis])
-                        wp.atomic_max(most, y, x, axis, moved[axis])
+                    wp.atomic_min(least, y, x, moved)
+                    wp.atomic_max(most, y, x, moved)
 
     return Twins(claim, _CLAIM)
 
@@ -65,8 +64,8 @@ def claim_rows(device: str) -> wp.Kernel:
     def kernel(
         motion: wp.array2d(dtype=wp.vec2),
         shown: wp.array2d(dtype=wp.uint8),
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
     ):
         claim(wp.tid(), motion, shown, least, most)
 
@@ -95,22 +94,22 @@ def row_owners() -> Twins:
     """The function that finds the motion into this frame of what a row's pixels of the frame before show.
 
     That of the pixels that claim it where they agree within `alike` px, else what the frame before has itself.
-    owner: [H, W], px; NaN where it is not known.
+    owner: [H, W], px; NaN where it is not known. It may be `least` itself.
     """
 
     @wp.func(module="unique")
     def settle(
         row: wp.int32,
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
         motion: wp.array2d(dtype=wp.vec2),
         covered: wp.array2d(dtype=wp.uint8),
         alike: wp.float32,
         owner: wp.array2d(dtype=wp.vec2),
     ):
         for column in range(motion.shape[1]):
-            low = wp.vec2(least[row, column, 0], least[row, column, 1])
-            high = wp.vec2(most[row, column, 0], most[row, column, 1])
+            low = least[row, column]
+            high = most[row, column]
             found = motion[row, column]
             # Where nothing claims the place these are infinite, and no comparison holds.
             if high[0] - low[0] <= alike and high[1] - low[1] <= alike and high[0] >= low[0]:
@@ -130,8 +129,8 @@ def own_places(device: str) -> wp.Kernel:
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first: wp.int32,
-        least: wp.array3d(dtype=wp.float32),
-        most: wp.array3d(dtype=wp.float32),
+        least: wp.array2d(dtype=wp.vec2),
+        most: wp.array2d(dtype=wp.vec2),
         motion: wp.array2d(dtype=wp.vec2),
         covered: wp.array2d(dtype=wp.uint8),
         alike: wp.float32,

@@ -1,8 +1,5 @@
 """Splines through pictures and motion fields, and pictures taken at other places, on all cores."""
 
-from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
@@ -17,36 +14,27 @@ Values = NDArray[np.float32]
 
 
 class Splines:
-    """Makes coefficients of splines on the device, for the length of a `with`; memory of one is kept for the next."""
+    """Makes coefficients of splines on the device."""
 
     def __init__(self, launcher: Launcher) -> None:
         self.launcher = launcher
-        self._idle: dict[tuple[int, ...], list[Any]] = defaultdict(list)
 
-    def of_field(self, motion: Values) -> AbstractContextManager[Any]:
+    def of_field(self, motion: Values) -> Any:
         """Cubic coefficients [2, H, W] (x, y) of a motion field [H, W, 2], px."""
         field = self.launcher.view(motion, wp.float32)
         return self._coefficients([field[:, :, axis] for axis in range(2)], 3)
 
-    def of_picture(self, planes: Values) -> AbstractContextManager[Any]:
+    def of_picture(self, planes: Values) -> Any:
         """Quintic coefficients of a picture's planes [1 to 3, H, W]."""
         picture = self.launcher.view(planes, wp.float32)
         return self._coefficients([picture[channel] for channel in range(len(planes))], 5)
 
-    @contextmanager
-    def _coefficients(self, planes: list[Any], degree: int) -> Iterator[Any]:
-        shape = (len(planes), *planes[0].shape)
-        idle = self._idle[shape]
-        try:
-            found = idle.pop()
-        except IndexError:
-            found = self.launcher.empty(shape, wp.float32)
+    def _coefficients(self, planes: list[Any], degree: int) -> Any:
+        found = self.launcher.empty((len(planes), *planes[0].shape), wp.float32)
         for number, plane in enumerate(planes):
             self._filter(plane, found[number], degree)
             self._filter(found[number].transpose(), found[number].transpose(), degree)
-        yield found
-        if not idle:
-            idle.append(found)
+        return found
 
     def _filter(self, source: Any, values: Any, degree: int) -> None:
         launcher, (lines, length) = self.launcher, values.shape

@@ -4,6 +4,7 @@ One launch on the CPU is a serial loop that releases the interpreter lock, so wo
 pool of threads takes one after another. How it is cut never changes a bit of the result.
 """
 
+import math
 import os
 import tempfile
 import warnings
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.making import MAKING, made_once
 from metrics.machine import cores, user
+from metrics.memory import LARGE, let_go, unset
 
 Item = TypeVar("Item")
 
@@ -57,8 +59,9 @@ class Launcher:
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
 
     def close(self) -> None:
-        """Let the threads go."""
+        """Let the threads go, and the memory that was kept."""
         self._pool.shutdown()
+        let_go()
 
     def __enter__(self) -> Self:
         return self
@@ -150,15 +153,26 @@ class Launcher:
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
-        return wp.empty(shape, dtype=dtype, device=self._on)
+        size = wp.types.type_size_in_bytes(dtype) * math.prod(shape if isinstance(shape, tuple) else (shape,))
+        if self.device != "cpu" or size < LARGE:
+            return wp.empty(shape, dtype=dtype, device=self._on)
+        held = unset((size,), np.uint8)
+        # Called when the array goes, and holds the memory until then.
+        return wp.array(
+            ptr=held.ctypes.data, dtype=dtype, shape=shape, device="cpu", deleter=lambda *_, held=held: None
+        )
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An array on the device filled with 0."""
-        return wp.zeros(shape, dtype=dtype, device=self._on)
+        array = self.empty(shape, dtype)
+        array.zero_()
+        return array
 
     def filled(self, shape: int | tuple[int, ...], dtype: Any, value: float) -> Any:
         """An array on the device filled with a value."""
-        return wp.full(shape, value, dtype=dtype, device=self._on)
+        array = self.empty(shape, dtype)
+        array.fill_(value)
+        return array
 
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
@@ -186,7 +200,7 @@ def _shrinking(rows: int, unit: int, threads: int) -> tuple[Strip, ...]:
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
     """Run one kernel on the CPU in the calling thread, on the host's own contiguous arrays.
 
-    Each thread records it once: of what packing the arrays anew would cost, that leaves a quarter.
+    Each thread records it once, which leaves a third of what it costs to start a kernel on arrays never seen.
     """
     if dim == 0:
         return

@@ -80,9 +80,14 @@ def _rows_of_waves(device: str) -> wp.Kernel:
 
 
 def pattern_at(
-    launcher: Launcher, frequency: NDArray[np.float64], phase: NDArray[np.float64], away: NDArray[np.float32]
+    launcher: Launcher,
+    frequency: NDArray[np.float64],
+    phase: NDArray[np.float64],
+    away: NDArray[np.float32],
+    *,
+    times: float = 1.0,
 ) -> NDArray[np.float32]:
-    """Waves of unit variance, [H, W], seen `away` px, [H, W, 2], from each pixel.
+    """Waves of unit variance, [H, W], seen `times` as far as `away` px, [H, W, 2], from each pixel.
 
     frequency: [waves, 2] (x, y), cycles/px. phase: [waves], rad.
     """
@@ -91,7 +96,10 @@ def pattern_at(
     # Whole turns go out in double precision: thousands of px from the corner a float32 angle is off by 1e-4 rad.
     across = (frequency[:, :1] * (np.arange(width) + 0.5) + phase[:, None] / (2 * np.pi)) % 1
     along = (frequency[:, 1:] * (np.arange(height) + 0.5)) % 1
-    waves = [*(launcher.array(turns, wp.float32) for turns in (across, along)), launcher.array(frequency, wp.vec2)]
+    waves = [
+        *(launcher.array(turns, wp.float32) for turns in (across, along)),
+        launcher.array(times * frequency, wp.vec2),
+    ]
     places = [float(np.sqrt(2 / len(phase))), launcher.view(away, wp.vec2), values]
     launcher.over(height, _rows_of_waves(launcher.device), (), [*waves, *places])
     return np.asarray(values.numpy())

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.memory import unset
 from swimlab.runs.files import replacing
 
 Image = NDArray[np.float32]
@@ -138,12 +139,17 @@ def read_pixels(
 ) -> Image | None:
     """Channels by their numbers of an open file's part [H, W, len(wanted)], float32; None if it cannot be read.
 
-    rows: rows first..end-1 alone, as the file counts them. The scanlines of an EXR come in strips that stay in the
+    rows: rows first..end-1 alone, as the file counts them. In memory a pair of channels lies side by side, as vectors
+    do, and more one after the other, as pictures are measured. The scanlines of an EXR come in strips that stay in the
     cache, and halves as halves: all in one piece they take a third longer.
     """
     spec = source.spec()
     top, bottom = rows or (spec.y, spec.y + spec.height)
-    found = np.empty((bottom - top, spec.width, len(wanted)), np.float32)
+    shape = (bottom - top, spec.width)
+    if len(wanted) == 2:
+        found = unset((*shape, 2), np.float32)
+    else:
+        found = np.moveaxis(unset((len(wanted), *shape), np.float32), 0, 2)
     block = spec.get_int_attribute("oiio:RowsPerChunk", 0)
     step = max(1, STRIP // block) * block if block and not spec.tile_width else bottom - top
     for row in range(top, bottom, max(1, step)):

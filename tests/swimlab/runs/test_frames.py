@@ -11,6 +11,7 @@ from swimlab.runs.frames import (
     FrameError,
     Geometry,
     frame_path,
+    read_channels,
     read_frame,
     read_geometry,
     write_channels,
@@ -163,3 +164,70 @@ def test_json_has_no_nan(tmp_path):
     with pytest.raises(ValueError, match="not JSON compliant"):
         write_json(Path(tmp_path / "a.json"), {"score": float("nan")})
     assert list(tmp_path.iterdir()) == []
+
+
+TALL = np.random.default_rng(1).normal(0, 10, (301, 11, 5)).astype(np.float32)
+"""More rows than a strip, and than a block of any compression."""
+
+
+def write_tall(path, kind, compression, *, kinds=(), **given):
+    spec = oiio.ImageSpec(TALL.shape[1], TALL.shape[0], 5, kind)
+    spec.channelnames, spec.channelformats = ("B", "G", "R", "X", "Y"), tuple(kinds)
+    spec.attribute("compression", compression)
+    for name, value in given.items():
+        setattr(spec, name, value)
+    output = oiio.ImageOutput.create("exr")
+    assert output.open(str(path), spec)
+    if spec.tile_width:
+        assert output.write_tiles(0, 11, 0, 301, 0, 1, TALL)
+    else:
+        assert output.write_image(TALL)
+    assert output.close()
+
+
+@pytest.mark.parametrize("kind", [oiio.HALF, oiio.FLOAT])
+@pytest.mark.parametrize("compression", ["none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"])
+def test_strips_are_the_whole_picture(tmp_path, kind, compression):
+    path = tmp_path / "0000.exr"
+    write_tall(path, kind, compression)
+    source = oiio.ImageInput.open(str(path))
+    stored, whole = list(source.spec().channelnames), source.read_image(0, 0, 0, 5, oiio.FLOAT)
+    source.close()
+    for names in (("R", "G", "B"), ("X", "Y"), ("Y", "B", "X"), ("G",)):
+        wanted = [stored.index(name) for name in names]
+        assert np.array_equal(read_channels(path, names), whole[..., wanted])
+    assert np.array_equal(read_channels(path, ("X", "Y"), rows=(60, 131)), whole[60:131, :, -2:])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"kinds": [oiio.HALF] * 3 + [oiio.FLOAT] * 2},
+        {"tile_width": 16, "tile_height": 16},
+        {"x": -3, "y": 40},
+        {"y": -70},
+    ],
+)
+def test_strips_of_any_layout_are_the_whole_picture(tmp_path, given):
+    path = tmp_path / "0000.exr"
+    write_tall(path, oiio.FLOAT, "zip", **given)
+    exact = TALL.copy()
+    if "kinds" in given:
+        exact[..., :3] = exact[..., :3].astype(np.float16)
+    assert np.array_equal(read_channels(path, ("R", "G", "B")), exact[..., 2::-1])
+    assert np.array_equal(read_channels(path, ("X", "Y")), exact[..., 3:])
+
+
+def test_a_file_cut_short_is_damaged(tmp_path):
+    path = tmp_path / "0000.exr"
+    write_tall(path, oiio.HALF, "zip")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(FrameError, match=r"0000\.exr: (is damaged|cannot be opened)"):
+        read_channels(path, ("R", "G", "B"))
+
+
+def test_pictures_are_planes_and_vectors_are_pairs_in_memory(tmp_path):
+    path = tmp_path / "0000.exr"
+    write_tall(path, oiio.HALF, "zip")
+    assert np.moveaxis(read_channels(path, ("R", "G", "B")), 2, 0).flags.c_contiguous
+    assert read_channels(path, ("X", "Y")).flags.c_contiguous
