@@ -29,6 +29,7 @@ _CODE = """
     const auto plus = [](Number a, Number b) { return Number{a.re + b.re, a.im + b.im}; };
     const auto minus = [](Number a, Number b) { return Number{a.re - b.re, a.im - b.im}; };
     const auto quarter_back = [](Number a) { return Number{a.im, -a.re}; };
+    // The transform of four numbers, in place.
     const auto four = [&](Number& a, Number& b, Number& c, Number& d) {
         const Number even = plus(a, c), odd = minus(a, c), sum = plus(b, d), turned = quarter_back(minus(b, d));
         a = plus(even, sum);
@@ -94,7 +95,7 @@ _CODE = """
         return (const float*)picture.data + ((long)(which%%channels)*height + corner[0])*width + corner[1];
     };
     const float* pixels = pixels_of(index);
-    // The next block is on its way while this one is transformed.
+    // The next block is on its way while this one is transformed; its rows begin anywhere in a line of the cache.
     const float* next = pixels_of(index + 1 < channels*corners.shape[0] ? index + 1 : index);
     const float *w = (const float*)window.data, *v = (const float*)levelling.data;
     // Columns c and c + H go as the real and the imaginary part of one.
