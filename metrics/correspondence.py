@@ -18,7 +18,7 @@ from metrics.kernels.claims import claim_rows
 from metrics.kernels.edges import find_smooth, land_rows
 from metrics.kernels.follow import steps
 from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
-from metrics.kernels.interpolation import Splines, taken
+from metrics.kernels.interpolation import field_spline, picture_spline, taken
 from metrics.kernels.launch import Launcher
 from metrics.tiles import Level
 from metrics.transform import TileTransform
@@ -51,10 +51,10 @@ class Correspondence:
     left_in: [frames, octaves], share of a noise's energy that taking pictures there leaves, mean over what is usable.
     """
 
-    def __init__(self, geometry: Geometry, splines: Splines, start: int, stop: int, *, room: float) -> None:
-        self._geometry, self._splines, self._launcher = geometry, splines, splines.launcher
+    def __init__(self, geometry: Geometry, launcher: Launcher, start: int, stop: int, *, room: float) -> None:
+        self._geometry, self._launcher = geometry, launcher
         self._start, self._stop = start, stop
-        self._steps = steps(self._launcher.device)
+        self._steps = steps(launcher.device)
         self._middle = (start + stop - 1) // 2
         self._held: list[Field] = []
         later: list[Field] = []
@@ -91,7 +91,7 @@ class Correspondence:
         """Rows of a picture [channels, H, W] as seen from the middle frame: taken `away`, 0 where not usable."""
         launcher = self._launcher
         usable = launcher.view(self.usable[rows].view(np.uint8), wp.uint8)
-        spline = self._splines.of_picture(picture.astype(np.float32, copy=False))
+        spline = picture_spline(launcher, picture.astype(np.float32, copy=False))
         return taken(launcher, spline, launcher.view(away, wp.vec2), usable, rows.start, len(picture))
 
     def left_of(self, levels: Sequence[Level]) -> list[NDArray[np.float64]]:
@@ -113,7 +113,7 @@ class Correspondence:
         away = rest
         for t in range(self._middle - 1, self._start - 1, -1):
             after = _field(self._geometry.surface(t + 1))
-            away = self._glued(self._steps.glue_back, self._splines.of_field(after), away)
+            away = self._glued(self._steps.glue_back, field_spline(launcher, after), away)
         for t in range(self._start, self._stop):
             if t > self._start:
                 motion = _field(self._geometry.surface(t))
@@ -135,7 +135,7 @@ class Correspondence:
         self._sum_gains(away, gains)
         for t in range(self._middle - 1, self._start - 1, -1):
             after = self._geometry.surface(t + 1)
-            launcher.over(shape[0], self._steps.back, (), [self._splines.of_field(_field(after)), 0, away])
+            launcher.over(shape[0], self._steps.back, (), [field_spline(launcher, _field(after)), 0, away])
             inner = self._inner(t, self._geometry.surface(t)) & ~self._meet(after)
             self._land(inner, away, usable)
             self._sum_gains(away, gains)
@@ -165,7 +165,7 @@ class Correspondence:
 
     def _step_ahead(self, t: int, top: int, away: Any, moved: Any, usable: Any) -> None:
         launcher = self._launcher
-        field = self._splines.of_field(_field(self._geometry.surface(t)))
+        field = field_spline(launcher, _field(self._geometry.surface(t)))
         launcher.over(away.shape[0], self._steps.ahead, (), [field, top, away, moved, LOST, usable])
 
     def _land(self, inner: Mask, away: Any, usable: Any) -> None:
@@ -177,7 +177,7 @@ class Correspondence:
         """Where what a frame sees is in the middle frame, from where what its neighbour sees is."""
         launcher, shape = self._launcher, self._geometry.shape
         away = launcher.empty(shape, wp.vec2)
-        launcher.over(shape[0], kernel, (), [motion, self._splines.of_field(nearer), away])
+        launcher.over(shape[0], kernel, (), [motion, field_spline(launcher, nearer), away])
         return np.asarray(away.numpy())
 
     def _inner(self, t: int, surface: Surface) -> Mask:

@@ -11,7 +11,6 @@ from metrics import bands
 from metrics.clip import Clip
 from metrics.correspondence import Correspondence
 from metrics.geometry import Field, Geometry, Mask
-from metrics.kernels.interpolation import Splines
 from metrics.kernels.launch import Launcher
 from metrics.plan import Plan, longest_unwarped, plan_shots, uniform_steps
 from metrics.tiles import Level, Offset, lay
@@ -166,8 +165,7 @@ def _maker(
     geometry: Geometry, steps: NDArray[np.float64] | None, launcher: Launcher, places: float
 ) -> Callable[[int, int], Span]:
     """What makes spans. places: bytes that those of a frame may take."""
-    splines = Splines(launcher)
-    return lambda start, stop: _span(geometry, start, stop, steps, splines, places)
+    return lambda start, stop: _span(geometry, start, stop, steps, launcher, places)
 
 
 def _spans(geometry: Geometry, steps: NDArray[np.float64] | None, make: Callable[[int, int], Span]) -> Iterator[Span]:
@@ -181,14 +179,14 @@ def _spans(geometry: Geometry, steps: NDArray[np.float64] | None, make: Callable
 
 
 def _span(
-    geometry: Geometry, start: int, stop: int, steps: NDArray[np.float64] | None, splines: Splines, room: float
+    geometry: Geometry, start: int, stop: int, steps: NDArray[np.float64] | None, launcher: Launcher, room: float
 ) -> Span:
     correspondence = None
     shape = geometry.shape
     if steps is None:
         anchor = (start + stop - 1) // 2
         offsets: list[Offset] = [(0.0, 0.0)] * (stop - start)
-        correspondence = Correspondence(geometry, splines, start, stop, room=room * (stop - start))
+        correspondence = Correspondence(geometry, launcher, start, stop, room=room * (stop - start))
         usable = correspondence.usable
         levels, weight = lay(shape, offsets[:1], lambda _: usable)
         correspondence.usable = weight > 0

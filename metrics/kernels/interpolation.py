@@ -13,37 +13,33 @@ from metrics.kernels.unwarping import unwarp_rows
 Values = NDArray[np.float32]
 
 
-class Splines:
-    """Makes coefficients of splines on the device."""
+def field_spline(launcher: Launcher, motion: Values) -> Any:
+    """Cubic coefficients [2, H, W] (x, y) of a motion field [H, W, 2], px."""
+    field = launcher.view(motion, wp.float32)
+    return _coefficients(launcher, [field[:, :, axis] for axis in range(2)], 3)
 
-    def __init__(self, launcher: Launcher) -> None:
-        self.launcher = launcher
 
-    def of_field(self, motion: Values) -> Any:
-        """Cubic coefficients [2, H, W] (x, y) of a motion field [H, W, 2], px."""
-        field = self.launcher.view(motion, wp.float32)
-        return self._coefficients([field[:, :, axis] for axis in range(2)], 3)
+def picture_spline(launcher: Launcher, planes: Values) -> Any:
+    """Quintic coefficients of a picture's planes [1 to 3, H, W]."""
+    picture = launcher.view(planes, wp.float32)
+    return _coefficients(launcher, [picture[channel] for channel in range(len(planes))], 5)
 
-    def of_picture(self, planes: Values) -> Any:
-        """Quintic coefficients of a picture's planes [1 to 3, H, W]."""
-        picture = self.launcher.view(planes, wp.float32)
-        return self._coefficients([picture[channel] for channel in range(len(planes))], 5)
 
-    def _coefficients(self, planes: list[Any], degree: int) -> Any:
-        found = self.launcher.empty((len(planes), *planes[0].shape), wp.float32)
-        for number, plane in enumerate(planes):
-            self._filter(plane, found[number], degree)
-            self._filter(found[number].transpose(), found[number].transpose(), degree)
-        return found
+def _coefficients(launcher: Launcher, planes: list[Any], degree: int) -> Any:
+    found = launcher.empty((len(planes), *planes[0].shape), wp.float32)
+    for number, plane in enumerate(planes):
+        _filter(launcher, plane, found[number], degree)
+        _filter(launcher, found[number].transpose(), found[number].transpose(), degree)
+    return found
 
-    def _filter(self, source: Any, values: Any, degree: int) -> None:
-        launcher, (lines, length) = self.launcher, values.shape
 
-        def scratch(rows: int) -> list[Any]:
-            return [launcher.empty(-(-rows // LINES) * LINES * length, wp.float32)]
+def _filter(launcher: Launcher, source: Any, values: Any, degree: int) -> None:
+    lines, length = values.shape
 
-        kernel = filter_lines(degree, launcher.device)
-        launcher.over(lines, kernel, (), [source, values], each=LINES, own=scratch)
+    def scratch(rows: int) -> list[Any]:
+        return [launcher.empty(-(-rows // LINES) * LINES * length, wp.float32)]
+
+    launcher.over(lines, filter_lines(degree, launcher.device), (), [source, values], each=LINES, own=scratch)
 
 
 def taken(launcher: Launcher, spline: Any, away: Any, usable: Any, top: int, channels: int) -> Values:

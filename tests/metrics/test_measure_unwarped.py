@@ -9,7 +9,6 @@ from occluder import Occluder
 from metrics import Clip, align, measure
 from metrics.correspondence import Correspondence
 from metrics.geometry import Geometry
-from metrics.kernels.interpolation import Splines
 from metrics.kernels.launch import Launcher
 from metrics.plan import uniform_steps
 from metrics.synthetic import Rotation, centres
@@ -107,7 +106,7 @@ def test_correspondence_is_exact(rotation, tolerance, room):
     blank = np.zeros((SIZE, SIZE, 3))
     geometry = Geometry(Clip(lambda _: blank, 9, motion=rotation.motion), room=room)
     with Launcher() as launcher:
-        found = Correspondence(geometry, Splines(launcher), 0, 9, room=room)
+        found = Correspondence(geometry, launcher, 0, 9, room=room)
         places, back = (np.array([*map(np.array, each)]) for each in (found.places(slice(0, SIZE)), found.glue()))
     assert not places[4].any()
     for t in range(9):
