@@ -24,7 +24,7 @@ from metrics.kernels.energies import (
     octave_energies,
 )
 from metrics.kernels.fourier import tile_spectra
-from metrics.kernels.launch import on_cpu
+from metrics.kernels.host import on_cpu
 from metrics.kernels.power import strip_powers
 from metrics.octaves import OCTAVES
 from metrics.tiles import Level, split, window

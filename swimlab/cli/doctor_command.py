@@ -67,7 +67,7 @@ def _encoding() -> str:
 
 @_check("kernel cache")
 def _cache() -> str:
-    from metrics.kernels.launch import start_warp
+    from metrics.kernels.starting import start_warp
 
     return f"{start_warp()} can be written"
 

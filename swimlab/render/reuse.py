@@ -99,7 +99,7 @@ class Epochs:
             launcher.array(np.where(known, now, start + 1) - oldest, wp.int32),
             epochs,
         ]
-        launcher.over(len(entries), follow, (), inputs, strip=len(entries) // launcher.threads + 1)
+        launcher.over(len(entries), follow, (), inputs)
         found[entries] = epochs.numpy() + oldest
         return found
 

@@ -136,7 +136,7 @@ class Lighting:
             lit = launcher.empty(len(mine), wp.int32)
             inputs = [mine, jobs.tiles, jobs.keep, atlas, ranges, charts.triangles.edges, charts.triangles.planes]
             inputs += [way.chain.texels, way.chain.shape, self.shot.sun, texels, lit]
-            launcher.over(len(mine), way.kernel, (), inputs, strip=max(32, len(mine) // (8 * launcher.threads)))
+            launcher.over(len(mine), way.kernel, (), inputs)
             shaded += int(lit.numpy().sum(dtype=np.int64))
         return shaded
 

@@ -1,4 +1,4 @@
-"""Kernels on the host's own arrays: recorded once a thread, started on any arrays of the same kinds."""
+"""Kernels on the CPU: loaded once, started on any inputs of the same kinds."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from metrics.kernels.launch import on_cpu
+from metrics.kernels.host import on_cpu
 from metrics.kernels.making import made_once
 
 
@@ -45,3 +45,50 @@ def test_an_array_of_another_kind_is_refused(values):
     assert scale((3, 4), 2.0)
     with pytest.raises(TypeError, match="the kernel takes"):
         on_cpu(scaling(), 3, [values, 2.0, np.zeros((3, 4), np.float32)])
+
+
+@wp.struct
+class Line:
+    slope: wp.float32
+    values: wp.array(dtype=wp.float32)
+
+
+@made_once
+def gathering():
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        first: wp.int32,
+        big: wp.uint64,
+        wide: wp.float64,
+        line: Line,
+        direction: wp.vec3,
+        turned: wp.bool,
+        out: wp.array(dtype=wp.float64),
+    ):
+        k = first + wp.tid()
+        value = wp.float64(line.slope * line.values[k] + direction[2]) + wide + wp.float64(big % wp.uint64(1000))
+        out[k] = wp.where(turned, -value, value)
+
+    return kernel
+
+
+@pytest.mark.parametrize("number", [int, np.int64, np.int32])
+def test_inputs_of_every_kind_arrive_as_they_are(number):
+    """After a launch on inputs of other values, and of numpy's numbers as of Python's."""
+    for slope, big, turned in ((2.0, 2**63 + 7, False), (3.0, 12, True)):
+        line, out = Line(), wp.zeros(4, dtype=wp.float64)
+        line.slope, line.values = slope, wp.array(np.arange(4), dtype=wp.float32)
+        inputs = [number(1), big, np.float64(0.25), line, wp.vec3(0.0, 0.0, 0.5), turned, out]
+        on_cpu(gathering(), 3, inputs)
+        expected = slope * np.arange(1, 4) + 0.75 + big % 1000
+        assert np.array_equal(out.numpy(), [0, *(-expected if turned else expected)])
+
+
+def test_a_number_of_another_kind_is_refused():
+    line, out = Line(), wp.zeros(4, dtype=wp.float64)
+    line.values = wp.zeros(4, dtype=wp.float32)
+    inputs = [0, 0, 0.0, line, wp.vec3(), False, out]
+    on_cpu(gathering(), 4, inputs)
+    for place, wrong in ((0, 1.5), (2, None), (3, wp.vec3()), (4, 1.0), (6, wp.zeros(4, dtype=wp.float32))):
+        with pytest.raises(TypeError):
+            on_cpu(gathering(), 4, [*inputs[:place], wrong, *inputs[place + 1 :]])

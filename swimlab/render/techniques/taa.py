@@ -13,7 +13,6 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
-from metrics.kernels.launch import STRIP_ROWS
 from sequences import View
 from swimlab.render.geometry import seen_from
 from swimlab.render.inputs import BOX
@@ -120,7 +119,6 @@ def advance(shot: Shot, before: View, step: int, last: History | None, settings:
         resolve,
         (),
         inputs,
-        strip=STRIP_ROWS,  # rows cost much the same, so few strips do
         own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)],
     )
     return History(step, picture, nearness, shaded)

@@ -5,7 +5,8 @@ import pytest
 import warp as wp
 
 from metrics import Clip, measure
-from metrics.kernels.launch import Launcher, start_warp
+from metrics.kernels.launch import Launcher
+from metrics.kernels.starting import start_warp
 from metrics.synthetic import Rotation, texture
 from sequences import load
 from sequences.asphalt import make

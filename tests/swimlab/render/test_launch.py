@@ -150,7 +150,7 @@ def test_an_unwritable_cache_falls_back_with_a_warning(tmp_path, variable):
     spare = tmp_path / "spare"
     spare.mkdir()
     result = subprocess.run(
-        [sys.executable, "-c", "from metrics.kernels.launch import start_warp; print(start_warp())"],
+        [sys.executable, "-c", "from metrics.kernels.starting import start_warp; print(start_warp())"],
         env=kept | {variable: str(file / "cache"), "TMPDIR": str(spare)},
         capture_output=True,
         text=True,

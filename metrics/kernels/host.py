@@ -1,0 +1,111 @@
+"""Kernels on the CPU, started in the calling thread without the work that Warp does for every launch.
+
+On the CPU Warp 1.19 calls a kernel as a function of its bounds and of its arguments, one after another in memory. A
+kernel is launched by Warp's own means once, which loads it; of later launches only the arguments are laid out anew.
+"""
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+
+from metrics.kernels.making import MAKING
+from metrics.kernels.starting import start_warp
+
+Dim = int | tuple[int, ...]
+
+
+def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
+    """Run a kernel, also on the host's own contiguous arrays. Raises TypeError for inputs of another kind."""
+    if dim:
+        host_launch(kernel, dim, inputs).launch()
+
+
+def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaunch":
+    """A launch that is ready to be started.
+
+    inputs: Warp's arrays on the CPU and structures, the host's contiguous arrays, numbers. Raises TypeError for one
+    that is not of the kind that it was in the kernel's first launch.
+    """
+    loaded = _LOADED.get(kernel)
+    if loaded is None:
+        with MAKING:
+            loaded = _LOADED[kernel] = _LOADED.get(kernel) or Loaded(kernel, dim, inputs)
+    return HostLaunch(loaded, loaded.bounds(dim), loaded.arguments(inputs), inputs)
+
+
+class HostLaunch(NamedTuple):
+    """A kernel, its bounds and its arguments. inputs: what these are of, whose memory they need."""
+
+    of: "Loaded"
+    bounds: Any
+    arguments: ctypes.Structure
+    inputs: Sequence[Any]
+
+    @property
+    def kernel(self) -> wp.Kernel:
+        """What is launched."""
+        return self.of.kernel
+
+    def launch(self) -> None:
+        """Run it in the calling thread."""
+        self.of.function(ctypes.byref(self.bounds), ctypes.byref(self.arguments))
+
+    def with_last(self, inputs: Sequence[Any]) -> "HostLaunch":
+        """The same with other inputs, Warp's arrays, in the place of the last ones."""
+        arguments = type(self.arguments).from_buffer_copy(self.arguments)
+        for (name, *_), array in zip(reversed(type(arguments)._fields_), reversed(inputs), strict=False):
+            setattr(arguments, name, array.__ctype__())
+        return self._replace(arguments=arguments, inputs=[*self.inputs, *inputs])
+
+
+class Loaded:
+    """A kernel, and what all its launches share."""
+
+    def __init__(self, kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> None:
+        start_warp()
+        command = wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu", record_cmd=True)
+        self.kernel, self.function = kernel, command.hooks.forward
+        fields = [(f"_{k}", type(value)) for k, value in enumerate(command.params[1:])]
+        self._structure = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
+        self._inputs = [(*field, _kind(value)) for field, value in zip(fields, inputs, strict=True)]
+        # The arrays of the first launch are not held.
+        command.params, command.fwd_args = command.params[:1], None
+        self._command, self._bounds = command, dict[Dim, Any]()
+
+    def bounds(self, dim: Dim) -> Any:
+        """How many threads a launch has; kernels only read it."""
+        if dim not in self._bounds:
+            with MAKING:
+                self._command.set_dim(dim)
+                self._bounds[dim] = self._command.bounds
+        return self._bounds[dim]
+
+    def arguments(self, inputs: Sequence[Any]) -> ctypes.Structure:
+        """Inputs as the kernel takes them."""
+        arguments: ctypes.Structure = self._structure()
+        for (name, form, kind), value in zip(self._inputs, inputs, strict=True):
+            if _kind(value) != kind or (isinstance(value, np.ndarray) and not value.flags.c_contiguous):
+                raise TypeError(f"{value!r}: the kernel takes {kind} in one piece")
+            setattr(arguments, name, _formed(value, form))
+        return arguments
+
+
+_LOADED: dict[wp.Kernel, Loaded] = {}
+
+
+def _kind(value: Any) -> tuple[Any, int] | None:
+    """Type and dimensions of an array; None for what is none."""
+    return (value.dtype, value.ndim) if isinstance(value, wp.array | np.ndarray) else None
+
+
+def _formed(value: Any, form: Any) -> Any:
+    """A value as a field takes it."""
+    if isinstance(value, np.ndarray):
+        place, shape, strides = value.ctypes.data, value.shape, value.strides
+        return form(data=place, grad=0, ndim=value.ndim, shape=shape, strides=strides)
+    if isinstance(value, np.generic):
+        return value.item()
+    return value.__ctype__() if hasattr(value, "__ctype__") else value
