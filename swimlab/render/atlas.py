@@ -93,14 +93,13 @@ class Layout:
 
     def table(self, launcher: Launcher, keep: Ints, start: Ints) -> Any:
         """The table on the device: `start` is the first texel of what is held of each entry, down to `keep`."""
-        return launcher.array(np.where(keep == NEVER, 0, start - self.offset(keep)), wp.int32)
+        return launcher.view(np.where(keep == NEVER, 0, start - self.offset(keep)).astype(np.int32), wp.int32)
 
     def on(self, launcher: Launcher, table: Any, targets: Any) -> Any:
         """The Atlas that kernels take, of a table and of the target of each triangle on the device."""
         atlas: Any = Atlas()
-        atlas.widths, atlas.levels = launcher.array(self.widths, wp.int32), launcher.array(self.levels, wp.int32)
-        atlas.tile_levels = launcher.array(self.tile_levels, wp.int32)
-        atlas.firsts = launcher.array(self.firsts, wp.int32)
+        shapes = np.stack([self.widths, self.levels, self.tile_levels, self.firsts], axis=1)
+        atlas.shapes = launcher.view(shapes.astype(np.int32), wp.vec4i)
         atlas.table, atlas.targets = table, targets
         return atlas
 
@@ -122,17 +121,16 @@ class Pool:
 
     def take(self, sizes: Ints) -> Ints:
         """The first texels of blocks of some sizes. Raises RunError for more texels than can be addressed."""
-        starts = np.zeros(len(sizes), np.int64)
-        for size in np.unique(sizes).tolist():
-            mine = np.flatnonzero(sizes == size)
-            free = np.concatenate([*self._free.pop(size, []), np.zeros(0, np.int64)])
-            old = min(len(mine), len(free))
-            starts[mine[:old]] = free[:old]
-            if old < len(free):
-                self._free[size] = [free[old:]]
-            new = len(mine) - old
-            starts[mine[old:]] = self._end + size * np.arange(new)
-            self._end += size * new
+        starts, new = np.zeros(len(sizes), np.int64), np.ones(len(sizes), bool)
+        for size in [size for size in np.unique(sizes).tolist() if size in self._free]:
+            mine, free = np.flatnonzero(sizes == size), np.concatenate(self._free.pop(size))
+            old = mine[: len(free)]
+            starts[old], new[old] = free[: len(old)], False
+            if len(old) < len(free):
+                self._free[size] = [free[len(old) :]]
+        ends = self._end + np.cumsum(sizes[new])
+        starts[new] = ends - sizes[new]
+        self._end = int(ends[-1]) if len(ends) else self._end
         if self._end >= 1 << 31:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
         if self._end > len(self.texels):

@@ -46,7 +46,7 @@ class Screen:
         place = np.searchsorted(segments, owner)
         found = place < len(segments)
         found[found] = segments[place[found]] == owner[found]
-        targets = launcher.array(np.where(found, place, -1), wp.int32)
+        targets = launcher.view(np.where(found, place, -1).astype(np.int32), wp.int32)
         return Screen(shot, anisotropy, visible, tuple(segments.tolist()), targets)
 
     def read(self, layout: Layout) -> Ints:
@@ -57,7 +57,7 @@ class Screen:
         needs: list[Any] = []
 
         def another(_: int) -> list[Any]:
-            needs.append(launcher.array(np.full(layout.entries, NEVER), wp.int32))
+            needs.append(launcher.filled(layout.entries, wp.int32, NEVER))
             return needs[-1:]
 
         inputs = [shot.grid(), self.visible, shot.triangles.planes, atlas]
@@ -94,7 +94,7 @@ class Jobs(NamedTuple):
     """
 
     layout: Layout
-    rows: Ints
+    rows: NDArray[np.int32]
     epochs: Ints
     tiles: Any
     keep: Any
@@ -114,8 +114,8 @@ class Jobs(NamedTuple):
         together = 4 ** (TILE_LEVEL - layout.tile_levels[target] + level)
         first = np.flatnonzero(place % together == 0)
         rows = np.stack([target[first], level[first], first, np.diff(first, append=len(tiles))], axis=1)
-        on_device = launcher.array(tiles, wp.int32), launcher.array(work.keep[tiles], wp.int32)
-        return Jobs(layout, rows, epochs[tiles[first]], *on_device)
+        on_device = (launcher.view(each.astype(np.int32), wp.int32) for each in (tiles, work.keep[tiles]))
+        return Jobs(layout, rows.astype(np.int32), epochs[tiles[first]], *on_device)
 
 
 class Lighting:
@@ -129,10 +129,10 @@ class Lighting:
         """Light the jobs of this frame where the atlas says, but coarse levels; how many texels were shaded."""
         launcher, charts = self.shot.launcher, self._charts_of(jobs.layout)
         rows = jobs.rows[jobs.epochs == self.shot.frame]
-        ranges = launcher.array(charts.ranges, wp.vec2i)
+        ranges = launcher.view(charts.ranges, wp.vec2i)
         shaded = 0
         for way in self._ways(jobs.layout, rows, charts):
-            mine = launcher.array(np.ascontiguousarray(rows[way.jobs]), wp.int32)
+            mine = launcher.view(rows[way.jobs], wp.int32)
             lit = launcher.empty(len(mine), wp.int32)
             inputs = [mine, jobs.tiles, jobs.keep, atlas, ranges, charts.triangles.edges, charts.triangles.planes]
             inputs += [way.chain.texels, way.chain.shape, self.shot.sun, texels, lit]
@@ -147,7 +147,7 @@ class Lighting:
             self._charts = layout, charts
         return self._charts[1]
 
-    def _ways(self, layout: Layout, rows: Ints, charts: Charts) -> "list[Way]":
+    def _ways(self, layout: Layout, rows: NDArray[np.int32], charts: Charts) -> "list[Way]":
         """The ways that jobs are lit in, by how their texels lie on those of the maps."""
         size = self.shot.material.size
         # Between texels of the maps two normals that are blended by magnification are no roughness.
@@ -179,4 +179,4 @@ class Way(NamedTuple):
 
 def reduce_targets(launcher: Launcher, atlas: Any, texels: Any) -> None:
     """Fill the coarse levels of all targets from their tiles."""
-    launcher.over(len(atlas.widths), reduce_coarse, (), [atlas, texels])
+    launcher.over(len(atlas.shapes), reduce_coarse, (), [atlas, texels])

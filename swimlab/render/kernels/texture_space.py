@@ -25,15 +25,12 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Atlas:
-    """All targets of a frame: texels a side, levels, `first` and `table` as in Pages; by target.
+    """All targets of a frame: of each its texels a side, levels, `tile_level` and `first`; and `table`, as in Pages.
 
     targets: the target of each triangle of the scene, -1 where it is not in sight.
     """
 
-    widths: wp.array(dtype=wp.int32)
-    levels: wp.array(dtype=wp.int32)
-    tile_levels: wp.array(dtype=wp.int32)
-    firsts: wp.array(dtype=wp.int32)
+    shapes: wp.array(dtype=wp.vec4i)
     table: wp.array(dtype=wp.int32)
     targets: wp.array(dtype=wp.int32)
 
@@ -42,12 +39,13 @@ class Atlas:
 def pages_of(atlas: Atlas, target: wp.int32) -> Pages:
     """The shape of one target."""
     pages = Pages()
-    pages.width = atlas.widths[target]
-    pages.height = pages.width
-    pages.levels = atlas.levels[target]
+    shape = atlas.shapes[target]
+    pages.width = shape[0]
+    pages.height = shape[0]
+    pages.levels = shape[1]
     pages.clamps = 1
-    pages.tile_level = atlas.tile_levels[target]
-    pages.first = atlas.firsts[target]
+    pages.tile_level = shape[2]
+    pages.first = shape[3]
     pages.table = atlas.table
     return pages
 

@@ -10,6 +10,7 @@ from frame to frame.
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from swimlab.render.atlas import Ints, Layout, Pool
@@ -108,10 +109,7 @@ class Targets:
         epochs.look(shot)
         near = range(shot.frame - settings.reuse + 1, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
-        if settings.reuse == 1:
-            self._held = NOTHING
-            pool.clear()
-        fresh, held = self._carried(work, epochs, shot.frame)
+        fresh, held = _anew(work, pool, shot.frame) if settings.reuse == 1 else self._carried(work, epochs, shot.frame)
         table = work.layout.table(shot.launcher, held.keep, held.start)
         atlas = work.layout.on(shot.launcher, table, screen.targets)
         jobs = Jobs.of(shot.launcher, Work(work.layout, np.where(fresh, work.shade, NEVER), work.keep), held.epoch)
@@ -123,7 +121,7 @@ class Targets:
         self._held = held
         return Picture(to_image(screen.paste(atlas, pool.texels)), shaded=shaded)
 
-    def _carried(self, work: Work, epochs: Epochs, frame: int) -> tuple[Ints, Held]:
+    def _carried(self, work: Work, epochs: Epochs, frame: int) -> tuple[NDArray[np.bool_], Held]:
         """Which tiles are to be shaded, and what is held once they are; blocks are given back and taken for that."""
         layout, last, pool = work.layout, self._held, self._pool
         old = carried(last.layout, layout)
@@ -150,6 +148,15 @@ class Targets:
         start = pool.hold(layout, np.where(fresh, keep, NEVER))
         start[fits] = last.start[was]
         return fresh & (work.shade != NEVER), Held(layout, frame, work.shade, keep, epoch, pose, start)
+
+
+def _anew(work: Work, pool: Pool, frame: int) -> tuple[NDArray[np.bool_], Held]:
+    """As `_carried` where nothing is kept."""
+    layout, keep = work.layout, work.layout.with_coarse(work.keep)
+    pool.clear()
+    epoch, pose = np.full(layout.entries, frame), np.zeros(layout.entries, np.int64)
+    start = pool.hold(layout, keep)
+    return work.shade != NEVER, Held(layout, frame, work.shade, keep, epoch, pose, start)
 
 
 def carried(last: Layout, layout: Layout) -> Ints:
