@@ -10,7 +10,7 @@ from metrics.alignment_floor import AlignmentFloor
 from metrics.clip import Clip, ClipError, FrameSource, Image
 from metrics.display import STANDARD, Display, Domain, to_domain
 from metrics.glued import GluedPattern
-from metrics.kernels.launch import Launcher
+from metrics.kernels.launch import Launcher, Strip
 from metrics.measurement import Context, Measurement
 from metrics.memory import unset
 from metrics.pixels import Pixels
@@ -185,7 +185,7 @@ class Measuring:
                 paired = pixels.pair(t, place if span.rows == slice(0, span.shape[0]) else None)
             picture = self._shown(t)
             found = None if exact is None else exact.exact(t)
-            off = None if found is None else _minus(picture, found[0])
+            off = None if found is None else _minus(picture, found[0], launcher)
             if paired is not None:
                 take(pixels.look(t, off, paired))
                 paired = None
@@ -209,28 +209,33 @@ class Measuring:
         with Sweep(measures, read, pictures=pictures, memory=self._memory, threads=self._threads) as sweep:
             for span in alignment.spans:
                 if whole and span.start not in (followed, *self._clip.cuts):
-                    pixels.lead(self._error(span.start - 1))
+                    pixels.lead(self._error(span.start - 1, launcher))
                 followed = span.stop
                 pixels.begin(span)
                 if measures:
                     sweep.run(span, advance, lambda found: take(PartFound(found)))
                 elif whole:
                     for t in range(span.start, span.stop):
-                        take(pixels.look(t, self._error(t), pixels.pair(t)))
+                        take(pixels.look(t, self._error(t, launcher), pixels.pair(t)))
                         advance(t + 1)
                 take(SpanFound(span.start, span.stop, bool(span.levels)))
 
     def _shown(self, t: int) -> Image:
         return to_domain(self._test.planes(t), self._domain, self._display, t)
 
-    def _error(self, t: int) -> Image | None:
+    def _error(self, t: int, launcher: Launcher) -> Image | None:
         """Frame t of the test minus that of the reference, [3, H, W]; None without one."""
-        return None if self._exact is None else _minus(self._shown(t), self._exact.exact(t)[0])
+        return None if self._exact is None else _minus(self._shown(t), self._exact.exact(t)[0], launcher)
 
 
-def _minus(test: Image, reference: Image) -> Image:
+def _minus(test: Image, reference: Image, launcher: Launcher) -> Image:
     difference = unset(test.shape, np.result_type(test, reference))
-    np.subtract(test, reference, out=difference)
+
+    def subtract(strip: Strip) -> None:
+        rows = slice(strip.first, strip.first + strip.rows)
+        np.subtract(test[:, rows], reference[:, rows], out=difference[:, rows])
+
+    launcher.each(launcher.strips(test.shape[1]), subtract)
     return difference
 
 

@@ -95,11 +95,9 @@ def bench_costs(
     from swimlab.cli.costs_table import print_costs
     from swimlab.cli.terminal import progress
     from swimlab.render.plan import load_sequence
-    from swimlab.runs.record import RunError
     from swimlab.studies.costs.study import STEPS, cost_study
 
-    if rounds < 1:
-        raise RunError(f"--rounds {rounds}: must be at least 1")
+    _check_rounds(rounds)
     sized = load_sequence(sequence).with_changes(size=_clip(1, size, range(1, 2)))
     with progress("costs", STEPS, quiet=running.quiet) as advance:
         costs = cost_study(sized, rounds=rounds, threads=running.threads, device=device, advance=advance)
@@ -111,7 +109,7 @@ def bench_costs(
 
 
 @bench_command.command(name="measures")
-def bench_measures(*, size: str = "1920x1080", frames: int = 16, running: Running = _STANDARD) -> int:
+def bench_measures(*, size: str = "1920x1080", frames: int = 16, rounds: int = 3, running: Running = _STANDARD) -> int:
     """Time the measures, in frames a second: frames in memory, and read from files that it writes.
 
     Parameters
@@ -120,18 +118,22 @@ def bench_measures(*, size: str = "1920x1080", frames: int = 16, running: Runnin
         Size of the frames in pixels, WIDTHxHEIGHT.
     frames:
         Frames of the clip.
+    rounds:
+        Times that everything is timed, in turns; medians are printed.
     """
     from swimlab.cli.measures_table import print_timings
     from swimlab.cli.terminal import progress
     from swimlab.studies.bench import NAMES, time_measures
 
+    _check_rounds(rounds)
     width, height = _clip(frames, size, range(2, sys.maxsize))
-    with progress("timing measures", len(NAMES), quiet=running.quiet) as advance:
-        timings = time_measures(width, height, frames, threads=running.threads, advance=advance)
+    with progress("timing measures", rounds * len(NAMES), quiet=running.quiet) as advance:
+        timings = time_measures(width, height, frames, rounds=rounds, threads=running.threads, advance=advance)
     if running.json_output:
-        print(json.dumps({"size": [width, height], "frames": frames, "rows": [vars(row) for row in timings]}, indent=1))
+        clip = {"size": [width, height], "frames": frames, "rounds": rounds}
+        print(json.dumps(clip | {"rows": [vars(row) for row in timings]}, indent=1))
     else:
-        print_timings(timings, f"{frames} frames of {size}")
+        print_timings(timings, f"{frames} frames of {size}, medians of {rounds} rounds")
     return 0
 
 
@@ -218,8 +220,7 @@ def bench_speed_error(
     from swimlab.studies.speed.settings import MOST_SAMPLES
 
     pixels = _clip(frames, size, range(2, 33))
-    if rounds < 1:
-        raise RunError(f"--rounds {rounds}: must be at least 1")
+    _check_rounds(rounds)
     if samples <= MOST_SAMPLES:
         raise RunError(f"--samples {samples}: must be above {MOST_SAMPLES}, the most that techniques are tried at")
     effort = Effort(pixels, frames, check_samples(samples), rounds, -(-rounds // 3))
@@ -247,6 +248,13 @@ def bench_metrics(
 
     pixels = _clip(frames, size, range(4, 33))
     return running.write(NAME, steps(), output / f"{NAME}.md", partial(write_report, output, pixels, frames))
+
+
+def _check_rounds(rounds: int) -> None:
+    from swimlab.runs.record import RunError
+
+    if rounds < 1:
+        raise RunError(f"--rounds {rounds}: must be at least 1")
 
 
 def _clip(frames: int, size: str, allowed: range) -> tuple[int, int]:

@@ -13,10 +13,12 @@ def print_timings(timings: Sequence[Timing], clip: str) -> None:
     """Print a row for each group of measures. clip: what was measured, in words."""
     about = provenance("")
     table = Table("scores", title=f"{clip}, {about['machine']}, swimlab {about['swimlab']}", box=None)
-    table.add_column("frames/s", justify="right")
+    for column in ("frames/s", "slowest", "fastest"):
+        table.add_column(column, justify="right")
     table.add_column("peak memory, MB", justify="right")
     for timing in timings:
-        table.add_row(timing.name, f"{timing.frames_per_second:.2f}", f"{timing.peak_memory / 1e6:.0f}")
+        speeds = timing.frames_per_second, timing.slowest, timing.fastest
+        table.add_row(timing.name, *(f"{speed:.2f}" for speed in speeds), f"{timing.peak_memory / 1e6:.0f}")
     speed = {timing.name: timing.frames_per_second for timing in timings}
     share = speed[", ".join(MAIN)] / speed[TRANSFORMS]
     table.caption_justify = "left"

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -152,12 +153,17 @@ def read_pixels(
         found = np.moveaxis(unset((len(wanted), *shape), np.float32), 0, 2)
     block = spec.get_int_attribute("oiio:RowsPerChunk", 0)
     step = max(1, STRIP // block) * block if block and not spec.tile_width else bottom - top
-    for row in range(top, bottom, max(1, step)):
-        end = min(row + step, bottom)
-        strip = _read_strip(source, spec, part, wanted, row, end)
-        if strip is None:
-            return None
-        found[row - top : end - top] = strip
+    # A strip is laid out by another thread while the next one is read.
+    with ThreadPoolExecutor(1) as other:
+        laid_out = []
+        for row in range(top, bottom, max(1, step)):
+            end = min(row + step, bottom)
+            strip = _read_strip(source, spec, part, wanted, row, end)
+            if strip is None:
+                return None
+            laid_out.append(other.submit(np.copyto, found[row - top : end - top], strip))
+    for each in laid_out:
+        each.result()
     return found
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -40,10 +41,13 @@ ZOOM = 5e-4
 
 @dataclass(frozen=True)
 class Timing:
-    """Frames a second of what is named, and the process's peak memory by then, bytes."""
+    """Frames a second of what is named, the median of some rounds with the slowest and the fastest, and the process's
+    peak memory, bytes, when it was done first."""
 
     name: str
     frames_per_second: float
+    slowest: float
+    fastest: float
     peak_memory: int
 
 
@@ -52,6 +56,7 @@ def time_measures(
     height: int,
     frames: int,
     *,
+    rounds: int = 1,
     threads: int | None = None,
     memory: float | None = None,
     advance: Callable[[str], None] = lambda _: None,
@@ -59,9 +64,9 @@ def time_measures(
     """Time the measures on a wholly covered clip of noise, test against reference.
 
     It moves uniformly, or grows too; frames are in memory, or read from EXR files of halves in a temporary folder. The
-    noise is cut from one larger picture, so that making a frame costs a copy. `memory` is what `measure` may take;
-    `advance` is called with the names timed. The first timing is of the tiles' windows and Fourier transforms, without
-    which there is no measure.
+    noise is cut from one larger picture, so that making a frame costs a copy. In each of the `rounds` all take turns.
+    `memory` is what `measure` may take; `advance` is called with the names timed. The first timing is of the tiles'
+    windows and Fourier transforms, without which there is no measure.
     """
     rng = np.random.default_rng(0)
     pool = rng.random((height + frames, width + frames, 3), np.float32)
@@ -93,14 +98,16 @@ def time_measures(
             partial(scored, *stored.pair()),
             partial(scored, *stored.pair(unwarped=True)),
         ]
-        timings = []
-        for name, work in zip(NAMES, works, strict=True):
-            started = time.perf_counter()
-            work()
-            elapsed = time.perf_counter() - started
-            timings.append(Timing(name, frames / elapsed, peak_memory()))
-            advance(name)
-    return timings
+        speeds: dict[str, list[float]] = {name: [] for name in NAMES}
+        peaks: dict[str, int] = {}
+        for _ in range(rounds):
+            for name, work in zip(NAMES, works, strict=True):
+                started = time.perf_counter()
+                work()
+                speeds[name].append(frames / (time.perf_counter() - started))
+                peaks.setdefault(name, peak_memory())
+                advance(name)
+    return [Timing(name, median(each), min(each), max(each), peaks[name]) for name, each in speeds.items()]
 
 
 @dataclass(frozen=True)
