@@ -117,7 +117,7 @@ def test_kernels_alone_draw_both_pictures_whole():
         variant = Variant("pixel-aniso", "pixel-aniso")
         exact = stage.pictures(variant)[0].rgba
         for task in parallel_tasks(stage, variant, launcher, pool):
-            picture = next(value for value in launcher.held[0].fwd_args if getattr(value, "shape", ()) == (64, 96))
+            picture = next(value for value in launcher.held[0].inputs if getattr(value, "shape", ()) == (64, 96))
             picture.zero_()
             task(0)()
             assert np.array_equal(picture.numpy(), exact)
