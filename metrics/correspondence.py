@@ -17,7 +17,7 @@ from metrics.geometry import Field, Geometry, Mask, Surface
 from metrics.kernels.claims import claim_rows
 from metrics.kernels.edges import find_smooth, land_rows
 from metrics.kernels.follow import steps
-from metrics.kernels.gains import add_gains, mean_left, table, whole_octaves
+from metrics.kernels.gains import FINEST, add_gains, mean_left, table, whole_octaves
 from metrics.kernels.interpolation import field_spline, picture_spline, taken
 from metrics.kernels.launch import Launcher
 from metrics.tiles import Level
@@ -62,8 +62,13 @@ class Correspondence:
         holds = 8 * height * width * (stop - start) <= room
         self._sampled: list[Field] = []
         self._first, self.usable, self._left = self._trace(later if holds else None)
-        usable = self.usable[::SAMPLED, ::SAMPLED]
-        self.left_in = whole_octaves(np.array([mean_left(away[usable], table()) for away in self._sampled]))
+        usable, left = self.usable[::SAMPLED, ::SAMPLED], np.empty((len(self._sampled), FINEST))
+
+        def sample(frame: int) -> None:
+            left[frame] = mean_left(self._sampled[frame][usable], table())
+
+        launcher.each(range(len(left)), sample)
+        self.left_in = whole_octaves(left)
         self._sampled.clear()
         if holds:
             until_middle = islice(self.places(slice(0, height)), self._middle - start + 1)
