@@ -132,12 +132,12 @@ class Launcher:
         height = min(each * -(-max(1, strip // n) // each), rows)
         last = rows - (rows - 1) // height * height
         dims = [(-(-some // each), *width) for some in (height, last)]
-        idle = [own(1)]
-        strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *idle[0]]), rows, height, dims[1])
+        scratch = own(1)
+        strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *scratch]), rows, height, dims[1])
 
-        def run(_: int) -> None:
+        def run(thread: int) -> None:
             if strips:
-                self.start(strips.taking(idle.pop() if idle else own(1)))
+                self.start(strips.taking(own(1) if thread else scratch))
 
         self.each(range(min(self.threads, -(-rows // height))), run)
 
