@@ -76,11 +76,12 @@ class Loaded:
         self._command, self._bounds = command, dict[Dim, Any]()
 
     def bounds(self, dim: Dim) -> Any:
-        """How many threads a launch has; kernels only read it."""
+        """How many threads a launch has; kernels only read it, and it is kept: where it is in memory may be noted."""
         if dim not in self._bounds:
             with MAKING:
-                self._command.set_dim(dim)
-                self._bounds[dim] = self._command.bounds
+                if dim not in self._bounds:
+                    self._command.set_dim(dim)
+                    self._bounds[dim] = self._command.bounds
         return self._bounds[dim]
 
     def arguments(self, inputs: Sequence[Any]) -> ctypes.Structure:

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -78,6 +79,24 @@ def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
         times = launcher.zeros((rows, 3), wp.int32)
         launcher.over(rows, count_up, (), [times], n=n, own=lambda count, by=launcher: [by.empty((count, 3), wp.int32)])
         assert (times.numpy() == 1).all()
+
+
+def test_one_dim_has_one_place_in_memory(launcher, monkeypatch):
+    """Several threads that ask for it first are given the same bounds: their address may be noted."""
+    loaded = launcher.record(count_up, (1, 1), [0, *(launcher.zeros((1, 1), wp.int32) for _ in range(2))]).of
+    set_dim, ready = loaded._command.set_dim, threading.Barrier(4)
+
+    def slowly(dim):
+        time.sleep(0.01)
+        set_dim(dim)
+
+    def ask(_):
+        ready.wait()
+        return loaded.bounds((5000,))
+
+    monkeypatch.setattr(loaded._command, "set_dim", slowly)
+    with ThreadPoolExecutor(4) as callers:
+        assert len(set(map(id, list(callers.map(ask, range(4)))))) == 1
 
 
 GROUP = 24
