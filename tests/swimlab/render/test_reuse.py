@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from metrics.kernels.launch import Launcher
 from sequences import load
-from swimlab.render.atlas import Layout
+from swimlab.render.atlas import Layout, Pool
 from swimlab.render.catalogue import model_of, techniques
+from swimlab.render.kernels.tiles import MOST_TEXELS
 from swimlab.render.reuse import UNKNOWN, Epochs
 from swimlab.render.shot import Shot
 
@@ -154,3 +157,21 @@ def test_cut_segments_are_lit_anew(shoot):
     inside, last = np.split(ages(shoot, sequence, 8, 4, 1e9, segments=(1, 2)), 2)
     assert inside.max() == 3
     assert last.max() == 0
+
+
+@settings(derandomize=True, max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_blocks_that_are_held_never_overlap(launcher, seed):
+    """Whatever was given back before; and all lie within the pool, beyond the texels that are nobody's."""
+    rng, pool = np.random.default_rng(seed), Pool(launcher)
+    held = np.zeros((0, 2), np.int64)
+    for _ in range(12):
+        sizes = rng.choice([1, 4, 20, 84, 340], rng.integers(0, 30))
+        held = np.concatenate([held, np.stack([pool.take(sizes), sizes], axis=1)])
+        lost = rng.random(len(held)) < 0.5
+        pool.give(*held[lost].T)
+        held = held[~lost]
+        start, size = held[np.argsort(held[:, 0])].T
+        assert (start[1:] >= (start + size)[:-1]).all()
+        assert (start >= MOST_TEXELS).all()
+        assert (start + size <= len(pool.texels)).all()
