@@ -1,7 +1,7 @@
 """Kernels on the CPU, started in the calling thread without the work that Warp does for every launch.
 
-On the CPU Warp 1.19 calls a kernel as a function of its bounds and of its arguments, one after another in memory. A
-kernel is launched by Warp's own means once, which loads it; of later launches only the arguments are laid out anew.
+On the CPU Warp 1.19 calls a kernel as a function of its bounds and of its arguments, one after another in memory. Warp
+records one launch, which loads the kernel; of later ones only the arguments are laid out anew.
 """
 
 import ctypes
@@ -32,8 +32,10 @@ def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaun
     loaded = _LOADED.get(kernel)
     if loaded is None:
         with MAKING:
-            loaded = _LOADED[kernel] = _LOADED.get(kernel) or Loaded(kernel, dim, inputs)
-    return HostLaunch(loaded, loaded.bounds(dim), loaded.arguments(inputs), inputs)
+            loaded = _LOADED.get(kernel) or Loaded(kernel, dim, inputs)
+            loaded.arguments(inputs)  # what cannot be launched sets no kinds
+            _LOADED[kernel] = loaded
+    return HostLaunch(loaded, loaded.bounds(dim), loaded.arguments(inputs), tuple(inputs))
 
 
 class HostLaunch(NamedTuple):

@@ -136,8 +136,12 @@ class Launcher:
         strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *scratch]), rows, height, dims[1])
 
         def run(thread: int) -> None:
-            if strips:
-                self.start(strips.taking(own(1) if thread else scratch))
+            try:
+                if strips:
+                    self.start(strips.taking(own(1) if thread else scratch))
+            except BaseException:
+                strips.drop()
+                raise
 
         self.each(range(min(self.threads, -(-rows // height))), run)
 

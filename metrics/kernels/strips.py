@@ -12,6 +12,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.host import Dim, HostLaunch, on_cpu
+from metrics.kernels.making import made_once
 
 TAKE = """
     const wp::int64* each = strips.data;
@@ -54,6 +55,7 @@ class Strips:
 
     def __init__(self, first: HostLaunch, rows: int, height: int, last: Dim) -> None:
         """rows: of all strips. height: of each but the last. last: dim of the last one."""
+        _load()
         self._first = first
         first_rows = np.arange(0, rows, height, dtype=np.int64)
         bounds = np.full_like(first_rows, ctypes.addressof(first.bounds))
@@ -64,6 +66,10 @@ class Strips:
     def __bool__(self) -> bool:
         """Whether some are left."""
         return bool(self._taken[0] < len(self._table))
+
+    def drop(self) -> None:
+        """Have no more taken, since something went wrong."""
+        self._taken[0] = len(self._table)
 
     def taking(self, own: Sequence[Any]) -> "Taking":
         """What a thread starts. own: its arrays in the place of the last inputs."""
@@ -86,3 +92,9 @@ class Taking(NamedTuple):
         """Run it in the calling thread."""
         function = ctypes.cast(self.launched.of.function, ctypes.c_void_p).value
         on_cpu(take_strips, 1, [function, ctypes.addressof(self.launched.arguments), self.strips, self.taken])
+
+
+@made_once
+def _load() -> None:
+    """Load the kernel in the thread that starts others: it may hold what they would wait for."""
+    on_cpu(take_strips, 1, [0, 0, np.zeros((0, 2), np.int64), np.zeros(1, np.int32)])

@@ -92,3 +92,15 @@ def test_a_number_of_another_kind_is_refused():
     for place, wrong in ((0, 1.5), (2, None), (3, wp.vec3()), (4, 1.0), (6, wp.zeros(4, dtype=wp.float32))):
         with pytest.raises(TypeError):
             on_cpu(gathering(), 4, [*inputs[:place], wrong, *inputs[place + 1 :]])
+
+
+def test_a_first_launch_that_fails_sets_no_kinds():
+    @wp.kernel(module="unique", enable_backward=False)
+    def double(values: wp.array(dtype=wp.float32), out: wp.array(dtype=wp.float32)):
+        out[wp.tid()] = 2.0 * values[wp.tid()]
+
+    out = np.zeros(3, np.float32)
+    with pytest.raises(TypeError):
+        on_cpu(double, 3, [None, out])
+    on_cpu(double, 3, [np.ones(3, np.float32), out])
+    assert np.array_equal(out, np.full(3, 2.0))

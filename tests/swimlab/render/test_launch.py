@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -97,6 +98,31 @@ def test_one_dim_has_one_place_in_memory(launcher, monkeypatch):
     monkeypatch.setattr(loaded._command, "set_dim", slowly)
     with ThreadPoolExecutor(4) as callers:
         assert len(set(map(id, list(callers.map(ask, range(4)))))) == 1
+
+
+def test_strips_may_be_the_first_that_a_thread_starts_while_it_makes_kernels():
+    """Other threads wait for nothing that it holds."""
+    script = """
+import warp as wp
+from metrics.kernels.launch import Launcher
+from metrics.kernels.making import MAKING
+from tests_launch_kernel import count
+launcher = Launcher(threads=2)
+times = launcher.zeros(1 << 20, wp.int32)
+with MAKING:
+    launcher.over(1 << 20, count, (), [times])
+assert (times.numpy() == 1).all()
+"""
+    kernel = """
+import warp as wp
+@wp.kernel(enable_backward=False)
+def count(first: wp.int32, times: wp.array(dtype=wp.int32)):
+    times[first + wp.tid()] += 1
+"""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "tests_launch_kernel.py").write_text(kernel)
+        path = os.pathsep.join([folder, *filter(None, sys.path)])
+        subprocess.run([sys.executable, "-c", script], env=os.environ | {"PYTHONPATH": path}, check=True, timeout=120)
 
 
 GROUP = 24
