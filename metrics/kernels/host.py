@@ -39,7 +39,7 @@ def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaun
 
 
 class HostLaunch(NamedTuple):
-    """A kernel, its bounds and its arguments. inputs: what these are of, whose memory they need."""
+    """A kernel, its bounds and its arguments. inputs: what is held since the arguments need its memory."""
 
     of: "Loaded"
     bounds: Any

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -153,17 +153,21 @@ def read_pixels(
         found = np.moveaxis(unset((len(wanted), *shape), np.float32), 0, 2)
     block = spec.get_int_attribute("oiio:RowsPerChunk", 0)
     step = max(1, STRIP // block) * block if block and not spec.tile_width else bottom - top
-    # A strip is laid out by another thread while the next one is read.
-    with ThreadPoolExecutor(1) as other:
-        laid_out = []
+    # While a strip is read, a thread lays out the one before; a file of one strip needs none.
+    with ThreadPoolExecutor(1) as layer:
+        before: Future[None] | None = None
         for row in range(top, bottom, max(1, step)):
             end = min(row + step, bottom)
             strip = _read_strip(source, spec, part, wanted, row, end)
             if strip is None:
                 return None
-            laid_out.append(other.submit(np.copyto, found[row - top : end - top], strip))
-    for each in laid_out:
-        each.result()
+            if before is not None:
+                before.result()
+            place = found[row - top : end - top]
+            if end < bottom:
+                before = layer.submit(np.copyto, place, strip)
+            else:
+                np.copyto(place, strip)
     return found
 
 
