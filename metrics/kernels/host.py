@@ -70,6 +70,7 @@ class Loaded:
         start_warp()
         command = wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu", record_cmd=True)
         self.kernel, self.function = kernel, command.hooks.forward
+        self.address: Any = ctypes.cast(self.function, ctypes.c_void_p).value
         fields = [(f"_{k}", type(value)) for k, value in enumerate(command.params[1:])]
         self._structure = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
         self._inputs = [(*field, _kind(value)) for field, value in zip(fields, inputs, strict=True)]

@@ -7,7 +7,6 @@ pool of threads takes one after another. How it is cut never changes a bit of th
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -17,6 +16,7 @@ from metrics.kernels.host import Dim, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.starting import start_warp
 from metrics.kernels.strips import Strips
+from metrics.kernels.workers import Workers
 from metrics.machine import cores
 from metrics.memory import LARGE, let_go, unset
 
@@ -49,11 +49,11 @@ class Launcher:
         self.device = device
         self._on: Any = wp.get_device(device)
         self.threads = threads or cores()
-        self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="swimlab")
+        self._workers = Workers(self.threads)
 
     def close(self) -> None:
         """Let the threads go, and the memory that was kept."""
-        self._pool.shutdown()
+        self._workers.close()
         let_go()
 
     def __enter__(self) -> Self:
@@ -74,16 +74,17 @@ class Launcher:
                     return
                 body(item)
 
-        tasks = [self._pool.submit(work) for _ in range(min(self.threads, len(waiting)) - 1)]
+        tasks = [self._workers.start(work) for _ in range(min(self.threads, len(waiting)) - 1)]
         try:
             work()
-            for task in tasks:
-                if not task.cancel():  # a thread that has not begun by now finds nothing left
-                    task.result()
+            errors = [task.end() for task in tasks]  # a thread that has not begun by now finds nothing left
         except BaseException:
             waiting.clear()
-            wait([task for task in tasks if not task.cancel()])
+            for task in tasks:
+                task.end()
             raise
+        for error in filter(None, errors):
+            raise error
 
     def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
         """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself."""

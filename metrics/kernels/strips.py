@@ -7,20 +7,17 @@ import ctypes
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
 import warp as wp
-from numpy.typing import NDArray
 
 from metrics.kernels.host import Dim, HostLaunch, on_cpu
 from metrics.kernels.making import made_once
 
 TAKE = """
-    const wp::int64* each = strips.data;
     for (;;) {
-        const int k = __atomic_fetch_add(taken.data, 1, __ATOMIC_RELAXED);
-        if (k >= strips.shape[0]) return;
-        *(int*)arguments = (int)each[2*k];
-        ((void (*)(void*, void*))function)((void*)each[2*k + 1], (void*)arguments);
+        const int first = height*__atomic_fetch_add((int*)taken, 1, __ATOMIC_RELAXED);
+        if (first >= rows) return;
+        *(int*)arguments = first;
+        ((void (*)(void*, void*))function)((void*)(rows - first < height ? last : each), (void*)arguments);
     }
 """
 
@@ -29,8 +26,11 @@ TAKE = """
 def take(
     function: wp.uint64,
     arguments: wp.uint64,
-    strips: wp.array2d(dtype=wp.int64),
-    taken: wp.array(dtype=wp.int32),
+    each: wp.uint64,
+    last: wp.uint64,
+    rows: wp.int32,
+    height: wp.int32,
+    taken: wp.uint64,
 ):
     """Call a kernel's function on strips, as long as some are left."""
 
@@ -39,15 +39,18 @@ def take(
 def take_strips(
     function: wp.uint64,
     arguments: wp.uint64,
-    strips: wp.array2d(dtype=wp.int64),
-    taken: wp.array(dtype=wp.int32),
+    each: wp.uint64,
+    last: wp.uint64,
+    rows: wp.int32,
+    height: wp.int32,
+    taken: wp.uint64,
 ):
-    """Run another kernel on strips.
+    """Run another kernel on strips of `height` of so many rows.
 
-    function, arguments: where they are in memory. strips: of each its first row, and where its bounds are. taken: how
-    many were taken, by all threads.
+    function, arguments: where they are in memory. each, last: where bounds are, of whole strips and of one that has
+    fewer rows. taken: where it is counted how many were taken, by all threads.
     """
-    take(function, arguments, strips, taken)
+    take(function, arguments, each, last, rows, height, taken)
 
 
 class Strips:
@@ -56,32 +59,29 @@ class Strips:
     def __init__(self, first: HostLaunch, rows: int, height: int, last: Dim) -> None:
         """rows: of all strips. height: of each but the last. last: dim of the last one."""
         _load()
-        self._first = first
-        first_rows = np.arange(0, rows, height, dtype=np.int64)
-        bounds = np.full_like(first_rows, ctypes.addressof(first.bounds))
-        bounds[-1] = ctypes.addressof(first.of.bounds(last))
-        self._table = np.stack([first_rows, bounds], axis=1)
-        self._taken = np.zeros(1, np.int32)
+        self._first, self._rows, self._height = first, rows, height
+        self._bounds = [ctypes.addressof(bounds) for bounds in (first.bounds, first.of.bounds(last))]
+        self._taken = ctypes.c_int32(0)
 
     def __bool__(self) -> bool:
         """Whether some are left."""
-        return bool(self._taken[0] < len(self._table))
+        return self._taken.value * self._height < self._rows
 
     def drop(self) -> None:
         """Have no more taken, since something went wrong."""
-        self._taken[0] = len(self._table)
+        self._taken.value = -(-self._rows // self._height)
 
     def taking(self, own: Sequence[Any]) -> "Taking":
         """What a thread starts. own: its arrays in the place of the last inputs."""
-        return Taking(self._first.with_last(own), self._table, self._taken)
+        return Taking(self._first.with_last(own), [*self._bounds, self._rows, self._height], self._taken)
 
 
 class Taking(NamedTuple):
     """A thread's launch, on strips as long as some are left."""
 
     launched: HostLaunch
-    strips: NDArray[np.int64]
-    taken: NDArray[np.int32]
+    strips: Sequence[int]
+    taken: ctypes.c_int32
 
     @property
     def kernel(self) -> wp.Kernel:
@@ -90,11 +90,11 @@ class Taking(NamedTuple):
 
     def launch(self) -> None:
         """Run it in the calling thread."""
-        function = ctypes.cast(self.launched.of.function, ctypes.c_void_p).value
-        on_cpu(take_strips, 1, [function, ctypes.addressof(self.launched.arguments), self.strips, self.taken])
+        arguments = ctypes.addressof(self.launched.arguments)
+        on_cpu(take_strips, 1, [self.launched.of.address, arguments, *self.strips, ctypes.addressof(self.taken)])
 
 
 @made_once
 def _load() -> None:
     """Load the kernel in the thread that starts others: it may hold what they would wait for."""
-    on_cpu(take_strips, 1, [0, 0, np.zeros((0, 2), np.int64), np.zeros(1, np.int32)])
+    on_cpu(take_strips, 1, [0, 0, 0, 0, 0, 1, ctypes.addressof(ctypes.c_int32(0))])

@@ -1,0 +1,68 @@
+"""Threads that help the calling one. To ask for help costs microseconds, as a frame may ask for it ten times.
+
+The standard library's pool takes several times as long: it has futures, which wake whoever waits for any of several.
+"""
+
+from collections.abc import Callable
+from queue import SimpleQueue
+from threading import Lock, Thread
+from weakref import finalize
+
+
+class Task:
+    """Work that a thread does once, unless it is called off before one has begun."""
+
+    def __init__(self, work: Callable[[], None]) -> None:
+        self._work = work
+        self._error: BaseException | None = None
+        self._begun, self._unfinished = Lock(), Lock()
+        self._unfinished.acquire()
+
+    def run(self) -> None:
+        """Do it, if it is not called off."""
+        if self._begun.acquire(blocking=False):
+            try:
+                self._work()
+            except BaseException as error:
+                self._error = error
+            self._end()
+
+    def end(self) -> BaseException | None:
+        """Call it off, or wait until it is done; the error that it ended with."""
+        if self._begun.acquire(blocking=False):
+            self._end()
+        with self._unfinished:
+            return self._error
+
+    def _end(self) -> None:
+        del self._work  # and what it holds: the task may lie in the queue for some time yet
+        self._unfinished.release()
+
+
+class Workers:
+    """Some threads. They start when they are first needed, and end when this is closed or goes."""
+
+    def __init__(self, count: int) -> None:
+        self._count, self._started = count, Lock()
+        self._tasks = SimpleQueue[Task | None]()
+        self.close = finalize(self, _dismiss, self._tasks, count)
+
+    def start(self, work: Callable[[], None]) -> Task:
+        """Have some thread do it as soon as one is free."""
+        if self._started.acquire(blocking=False):
+            for _ in range(self._count):
+                Thread(target=_serve, args=(self._tasks,), name="swimlab", daemon=True).start()
+        task = Task(work)
+        self._tasks.put(task)
+        return task
+
+
+def _serve(tasks: "SimpleQueue[Task | None]") -> None:
+    while (task := tasks.get()) is not None:
+        task.run()
+        del task  # what it holds is not to wait for the next one
+
+
+def _dismiss(tasks: "SimpleQueue[Task | None]", count: int) -> None:
+    for _ in range(count):
+        tasks.put(None)
