@@ -95,6 +95,10 @@ class Launcher:
         """Start one kernel in the calling thread."""
         self.start(self.record(kernel, dim, inputs))
 
+    def on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> None:
+        """Start one thread of a kernel on the host's own arrays, whatever the device."""
+        self.start(host_launch(kernel, 1, inputs))
+
     def record(self, kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> Any:
         """A launch that is ready to be started: it has its `kernel`, and `launch()`."""
         if self.device == "cpu":

@@ -87,9 +87,9 @@ class Road:
 
     def visible_segments(self, frame: int) -> list[int]:
         """Segments of the road that some pixel's centre sees, nearest first."""
-        from swimlab.render.target import Screen
+        from swimlab.render.target import segments_in_sight
 
-        return list(Screen.of(self.shot(frame), 16).segments)
+        return segments_in_sight(self.shot(frame))
 
 
 @dataclass(frozen=True)

@@ -1,41 +1,37 @@
 """Where the tiles of a frame's targets are: their order in a table, and the memory that holds those that are kept."""
 
-from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
+from swimlab.render.kernels.placing import KINDS, ROWS, TABLE, choose_levels, hold_tiles
 from swimlab.render.kernels.texture_space import NEVER, Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.runs.record import RunError
 
-Ints = NDArray[np.int64]
+Ints = NDArray[np.int32]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
     """The order of tiles in a table: of each target an entry for its coarse levels, then one a tile, row by row.
 
-    segments: the charts that have a target. widths: texels along each target, powers of two.
+    segments: [n], the charts that have a target, rising. widths: [n], texels along each target, powers of two.
     """
 
-    segments: tuple[int, ...]
+    segments: NDArray[np.int64]
     widths: Ints
-
-    @cached_property
-    def levels(self) -> Ints:
-        """Levels of each target."""
-        return np.array([int(width).bit_length() for width in self.widths], np.int64)
 
     @cached_property
     def tile_levels(self) -> Ints:
         """The level of each target at which one texel covers one tile."""
-        return np.minimum(self.levels - 1, TILE_LEVEL)
+        return np.minimum(np.frexp(self.widths)[1] - 1, TILE_LEVEL).astype(np.int32)
 
     @cached_property
     def across(self) -> Ints:
@@ -43,65 +39,70 @@ class Layout:
         return self.widths >> self.tile_levels
 
     @cached_property
-    def firsts(self) -> Ints:
+    def firsts(self) -> NDArray[np.int64]:
         """Entry of each target's first tile."""
-        return np.cumsum(self.across**2 + 1) - self.across**2
-
-    def is_same(self, other: "Layout") -> bool:
-        """Whether two layouts are equal."""
-        return self.segments == other.segments and np.array_equal(self.widths, other.widths)
+        return np.cumsum(self.across.astype(np.int64) ** 2 + 1) - self.across**2
 
     @cached_property
     def entries(self) -> int:
         """Length of the table."""
-        return int(np.sum(self.across**2 + 1))
+        return int(np.sum(self.across.astype(np.int64) ** 2 + 1))
 
     @cached_property
-    def owners(self) -> Ints:
-        """The target of each entry."""
-        return np.repeat(np.arange(len(self.widths)), self.across**2 + 1)
-
-    @cached_property
-    def is_tile(self) -> NDArray[np.bool_]:
-        """Whether an entry is a tile's."""
-        found = np.ones(self.entries, bool)
-        found[self.firsts - 1] = False
-        return found
+    def shapes(self) -> Ints:
+        """[n, 4], as kernels take them (see Atlas)."""
+        levels = np.frexp(self.widths)[1]
+        return np.stack([self.widths, levels, self.tile_levels, self.firsts], axis=1).astype(np.int32)
 
     def of(self, target: int) -> slice:
         """The entries of a target's tiles."""
         first = int(self.firsts[target])
         return slice(first, first + int(self.across[target]) ** 2)
 
-    def block(self, levels: Ints) -> Ints:
-        """Texels to hold of each entry: of a tile its levels from `levels` [entries] up to but without the last, which
-        with all coarser ones is its target's."""
-        tile_levels = self.tile_levels[self.owners]
-        finest = np.minimum(levels, tile_levels)
-        tile = (4 * 4 ** (tile_levels - finest) - 1) // 3 - 1
-        coarse = (4 * self.across**2 - 1) // 3
-        return np.where(self.is_tile, tile, coarse[self.owners])
-
-    def offset(self, levels: Ints) -> Ints:
-        """Texels of a tile that come before a level, by entry."""
-        whole = 4 ** self.tile_levels[self.owners]
-        return np.where(self.is_tile, 4 * (whole - whole // 4 ** np.minimum(levels, TILE_LEVEL)) // 3, 0)
-
-    def with_coarse(self, keep: Ints) -> Ints:
-        """The finest level to hold of each entry: of tiles as given, NEVER for none; of coarse levels 0, for all."""
-        return np.where(self.is_tile, keep, 0)
-
-    def table(self, launcher: Launcher, keep: Ints, start: Ints) -> Any:
-        """The table on the device: `start` is the first texel of what is held of each entry, down to `keep`."""
-        return launcher.view(np.where(keep == NEVER, 0, start - self.offset(keep)).astype(np.int32), wp.int32)
-
-    def on(self, launcher: Launcher, table: Any, targets: Any) -> Any:
-        """The Atlas that kernels take, of a table and of the target of each triangle on the device."""
+    def on(self, launcher: Launcher, targets: Any) -> Any:
+        """The Atlas that kernels take, without its table. targets: of each triangle, on the device."""
         atlas: Any = Atlas()
-        shapes = np.stack([self.widths, self.levels, self.tile_levels, self.firsts], axis=1)
-        atlas.shapes = launcher.view(shapes.astype(np.int32), wp.vec4i)
-        atlas.table, atlas.targets = table, targets
+        atlas.shapes = launcher.view(self.shapes, wp.vec4i)
+        atlas.targets = targets
         return atlas
+
+
+class Tiles(NamedTuple):
+    """What is known of the tiles of a frame.
+
+    table: [ROWS, entries] (see `swimlab.render.kernels.placing`). finest: [n], the finest level that is read of each
+    target, NEVER where it is not in sight. atlas: as kernels take them.
+    """
+
+    layout: Layout
+    table: Ints
+    finest: Ints
+    atlas: Any
+
+    @staticmethod
+    def read(launcher: Launcher, layout: Layout, atlas: Any, need: Ints, coarsest: Ints, shading: int) -> "Tiles":
+        """The tiles that are shaded and kept. need: [entries], the finest level that is read of each; see
+        `choose_levels` for the others."""
+        table, finest = np.empty((ROWS, layout.entries), np.int32), np.empty(len(layout.widths), np.int32)
+        tiles = Tiles(layout, table, finest, atlas)
+        launcher.on_host(choose_levels, [layout.shapes, coarsest, need, shading, table, finest])
+        return tiles
+
+    @property
+    def in_sight(self) -> NDArray[np.int64]:
+        """The targets of which something is read."""
+        return np.flatnonzero(self.finest != NEVER)
+
+
+class Held(NamedTuple):
+    """The tiles of a frame, whose blocks the pool has."""
+
+    frame: int
+    tiles: Tiles
+
+
+_NO_TARGETS = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
+NOTHING = Held(0, Tiles(_NO_TARGETS, np.zeros((ROWS, 0), np.int32), np.zeros(0, np.int32), None))
 
 
 class Pool:
@@ -109,43 +110,52 @@ class Pool:
 
     def __init__(self, launcher: Launcher) -> None:
         self._launcher = launcher
-        self._free: defaultdict[int, list[Ints]] = defaultdict(list)
         # Where nothing is held a table says 0: its first texels are nobody's.
         self.texels = launcher.zeros(4 * MOST_TEXELS, wp.vec4)
-        self._end = MOST_TEXELS
+        self._end = np.full(1, MOST_TEXELS, np.int64)
+        self._free, self._count = np.empty((KINDS, 0), np.int32), np.zeros(KINDS, np.int32)
 
     def clear(self) -> None:
         """Take all blocks back."""
-        self._free.clear()
-        self._end = MOST_TEXELS
+        self._end[:], self._count[:] = MOST_TEXELS, 0
 
-    def take(self, sizes: Ints) -> Ints:
-        """The first texels of blocks of some sizes. Raises RunError for more texels than can be addressed."""
-        starts, new = np.zeros(len(sizes), np.int64), np.ones(len(sizes), bool)
-        for size in [size for size in np.unique(sizes).tolist() if size in self._free]:
-            mine, free = np.flatnonzero(sizes == size), np.concatenate(self._free.pop(size))
-            old = mine[: len(free)]
-            starts[old], new[old] = free[: len(old)], False
-            if len(old) < len(free):
-                self._free[size] = [free[len(old) :]]
-        ends = self._end + np.cumsum(sizes[new])
-        starts[new] = ends - sizes[new]
-        self._end = int(ends[-1]) if len(ends) else self._end
-        if self._end >= 1 << 31:
+    def hold(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Tiles = NOTHING.tiles) -> None:
+        """Complete the table and the atlas of tiles whose EPOCH is known; blocks of `last` are kept or given back.
+
+        poses: a number of where eye and sun were in each frame from `oldest` on. Raises RunError for more texels than
+        can be addressed.
+        """
+        room = int(self._count.max()) + last.layout.entries
+        if room > self._free.shape[1]:
+            more = np.zeros((KINDS, 2 * room - self._free.shape[1]), np.int32)
+            self._free = np.concatenate([self._free, more], axis=1)
+        before, after = matched(tiles.layout, last.layout)
+        inputs = [oldest, np.array(poses, np.int32), tiles.layout.shapes, before, tiles.table]
+        inputs += [last.layout.shapes, after, last.table, self._free, self._count, self._end]
+        self._launcher.on_host(hold_tiles, inputs)
+        end = int(self._end[0])
+        if end >= 1 << 31:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
-        if self._end > len(self.texels):
-            grown = self._launcher.empty(self._end + self._end // 4, wp.vec4)
+        if end > len(self.texels):
+            grown = self._launcher.empty(end + end // 4, wp.vec4)
             wp.copy(grown, self.texels)
             self.texels = grown
-        return starts
+        tiles.atlas.table = self._launcher.view(tiles.table[TABLE], wp.int32)
 
-    def hold(self, layout: Layout, keep: Ints) -> Ints:
-        """The first texel of a block for each entry of which something is to be kept; 0 for the others."""
-        start, held = np.zeros(layout.entries, np.int64), keep != NEVER
-        start[held] = self.take(layout.block(keep)[held])
-        return start
 
-    def give(self, starts: Ints, sizes: Ints) -> None:
-        """Give blocks back."""
-        for size in np.unique(sizes).tolist():
-            self._free[size].append(starts[sizes == size])
+def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:
+    """Of each target of a layout its place in another, -1 where that has none as large; and the other way round."""
+    place = placed(now.segments, last.segments)
+    found = np.flatnonzero(place >= 0)
+    found = found[last.widths[place[found]] == now.widths[found]]
+    before, after = np.full(len(now.widths), -1, np.int32), np.full(len(last.widths), -1, np.int32)
+    before[found], after[place[found]] = place[found], found
+    return before, after
+
+
+def placed(wanted: NDArray[np.int64], known: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The place of each wanted number among known ones, which rise, or -1."""
+    if len(known) == 0:
+        return np.full(len(wanted), -1)
+    place = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+    return np.where(known[place] == wanted, place, -1)

@@ -13,13 +13,10 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from swimlab.render.atlas import Ints, Layout
+from swimlab.render.atlas import Tiles, matched
 from swimlab.render.kernels.epochs import follow
+from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-
-UNKNOWN = -(1 << 40)
-"""A frame that is older than any that matters."""
-
 
 class Pose(NamedTuple):
     """What light depends on. eye: m, in the world. direction, diffuse: of the sun. Frames of one number are alike."""
@@ -36,7 +33,7 @@ class Epochs:
     def __init__(self, reuse: int, tolerance: float) -> None:
         self._reuse, self._tolerance = reuse, tolerance
         self._shots: dict[int, Shot] = {}
-        self._whole: dict[int, Ints] = {}
+        self._whole: dict[int, NDArray[np.int64]] = {}
         self._poses: dict[int, Pose] = {}
         self._numbers: dict[object, int] = {}
 
@@ -54,56 +51,65 @@ class Epochs:
             self._shots[frame] = self._now.at(frame)
         return self._shots[frame]
 
-    def poses(self, frames: Ints) -> Ints:
-        """A number for each frame, the same where eye and sun are the same."""
-        unique, inverse = np.unique(frames, return_inverse=True)
-        return np.array([self._pose(frame).number for frame in unique.tolist()], np.int64)[inverse]
+    @property
+    def oldest(self) -> int:
+        """The first frame whose light may be kept until now."""
+        return self._now.frame - self._reuse + 1
+
+    @property
+    def poses(self) -> list[int]:
+        """A number for each frame from the oldest on, the same where eye and sun are the same."""
+        return [pose.number for pose in self._window()]
+
+    def _window(self) -> list[Pose]:
+        return [self._pose(frame) for frame in self._frames()]
 
     def _pose(self, frame: int) -> Pose:
         if frame not in self._poses:
-            sequence = self._now.sequence
-            light = sequence.sun(frame)
-            eye = sequence.view(frame).camera.eye(sequence.scene.road)
+            shot = self.shot(frame)
+            light = shot.sequence.sun(frame)
+            eye = shot.view.camera.eye(shot.sequence.scene.road)
             content = tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
             self._poses[frame] = Pose(*content, self._numbers.setdefault(content, len(self._numbers)))
         return self._poses[frame]
 
-    def epochs(self, layout: Layout, wanted: NDArray[np.bool_], before: Ints) -> Ints:
-        """The frame whose light each wanted entry has now. before: what it was one frame ago, or UNKNOWN."""
-        now = self._now.frame
-        found = np.full(layout.entries, now)
-        oldest = now - self._reuse + 1
-        frames = range(oldest, now + 1)
-        poses = [self._pose(frame) for frame in frames]
+    def find(self, tiles: Tiles, last: Tiles) -> None:
+        """Fill EPOCH of tiles. last: those of one frame ago, none where that was not rendered."""
+        tiles.table[EPOCH] = self._now.frame
+        poses = self._window()
         if self._tolerance == 0 or len({pose.number for pose in poses}) == 1:
-            return found
-        entries = np.flatnonzero(wanted & layout.is_tile)
-        targets = layout.owners[entries]
-        row, column = np.divmod(entries - layout.firsts[targets], layout.across[targets])
-        start = now - (now - column - 3 * row) % self._reuse
-        known = before[entries] >= start
-        launcher, road = self._now.launcher, self._now.sequence.scene.road
-        u, v = ((index + 0.5) / layout.across[targets] for index in (column, row))
-        y = (np.array(layout.segments)[targets] + v) * road.segment
-        places = np.stack([(u - 0.5) * road.width, y, road.height_at(y)], axis=1)
-        whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in frames])
-        epochs = launcher.array(np.where(known, before[entries], start) - oldest, wp.int32)
+            return
+        layout, road, launcher = tiles.layout, self._now.sequence.scene.road, self._now.launcher
+        across = layout.across
+        targets = np.repeat(np.arange(len(across)), across)
+        row = np.arange(len(targets)) - np.repeat(np.cumsum(across) - across, across)
+        first, count = layout.firsts[targets] + row * across[targets], across[targets]
+        before = matched(layout, last.layout)[0][targets]
+        was = np.where(before >= 0, last.layout.firsts[before] + row * count, -1) if len(last.layout.widths) else before
+        y = (layout.segments[targets] + (row + 0.5) / count) * road.segment
+        whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
+        table = launcher.view(tiles.table, wp.int32)
         inputs = [
+            self.oldest,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
             launcher.array([pose.eye for pose in poses], wp.vec3d),
             launcher.array([pose.direction for pose in poses], wp.vec3),
             launcher.array(whole, wp.int32),
-            launcher.array(places, wp.vec3d),
-            launcher.array(targets, wp.int32),
-            launcher.array(np.where(known, now, start + 1) - oldest, wp.int32),
-            epochs,
+            road.width,
+            launcher.view(np.stack([targets, first, count, row], axis=1).astype(np.int32), wp.vec4i),
+            launcher.view(np.stack([y, road.height_at(y)], axis=1), wp.vec2d),
+            launcher.view(was.astype(np.int32), wp.int32),
+            table,
+            launcher.view(last.table, wp.int32),
         ]
-        launcher.over(len(entries), follow, (), inputs)
-        found[entries] = epochs.numpy() + oldest
-        return found
+        launcher.over(len(targets), follow, (), inputs)
+        tiles.table[EPOCH] = table.numpy()[EPOCH]
 
-    def _whole_segments(self, frame: int) -> Ints:
+    def _frames(self) -> range:
+        return range(self.oldest, self._now.frame + 1)
+
+    def _whole_segments(self, frame: int) -> NDArray[np.int64]:
         """Segments of the road that a frame draws to both ends, and that face the eye all over."""
         if frame not in self._whole:
             mesh = self.shot(frame).mesh

@@ -4,7 +4,6 @@ All in double precision, before the rasteriser. The same code serves the screen,
 texture space, where they are the atlas coordinates: there is one rasteriser.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -60,60 +59,6 @@ def on_screen(launcher: Launcher, mesh: Mesh, projection: Doubles, *, thinnest: 
     return replace(
         triangles, back_faces=len(facing) - int(np.count_nonzero(facing)), slivers=int(np.count_nonzero(slivers))
     )
-
-
-@dataclass(frozen=True)
-class Charts:
-    """Charts in texture space: their triangles, and of each chart the first and one past the last of these.
-
-    widened: whether a chart was widened to a texel.
-    """
-
-    triangles: Triangles
-    ranges: NDArray[np.int32]
-    widened: NDArray[np.bool_]
-
-
-def in_texture(launcher: Launcher, mesh: Mesh, segments: Sequence[int], texels: Doubles) -> Charts:
-    """Some segments, in order, with their atlas coordinates as positions; (0, 0) to (1, 1) is a whole target.
-
-    Triangles that face away from the eye are left out (Sloan & Baker, Drawing polygons on the backside). texels: the
-    side of a texel of each target. A chart narrower than that is widened to it about its middle, as it might hold no
-    texel's centre.
-    """
-    mine = np.isin(mesh.segments, segments)
-    chosen = np.flatnonzero(mine & mesh.facing)
-    owners = mesh.segments[chosen]
-    ranges = np.stack([np.searchsorted(owners, segments, side=side) for side in ("left", "right")], axis=1)
-    low, high = _extents(mesh, chosen, ranges)
-    widened = np.any(high - low < texels[:, None], axis=1)
-    points = np.concatenate([mesh.uv, np.ones((len(mesh.uv), 1))], axis=1)
-    for k in np.flatnonzero(widened).tolist():
-        vertices = np.unique(mesh.triangles[chosen[slice(*ranges[k])]])
-        middle = (low[k] + high[k]) / 2
-        wider = np.maximum(1.0, texels[k] / np.maximum(high[k] - low[k], 1e-12))
-        points[vertices, :2] = middle + (mesh.uv[vertices] - middle) * wider
-    triangles = replace(set_up(launcher, points, mesh, chosen), back_faces=int(np.sum(mine & ~mesh.facing)))
-    return Charts(triangles, ranges.astype(np.int32), widened)
-
-
-def _extents(mesh: Mesh, chosen: NDArray[np.int64], ranges: NDArray[np.int64]) -> tuple[Doubles, Doubles]:
-    """Lowest and highest uv of each range of the chosen triangles; 0 and 1 where it has none."""
-    low, high = np.zeros((len(ranges), 2)), np.ones((len(ranges), 2))
-    some = ranges[:, 0] < ranges[:, 1]
-    if some.any():
-        corners = mesh.uv[mesh.triangles[chosen]]
-        low[some] = np.minimum.reduceat(corners.min(axis=1), ranges[some, 0])
-        high[some] = np.maximum.reduceat(corners.max(axis=1), ranges[some, 0])
-    return low, high
-
-
-def narrowest(mesh: Mesh, segments: Sequence[int]) -> Doubles:
-    """The least extent in u or v of the triangles of each of some segments in sight, in order, that face the eye."""
-    chosen = np.flatnonzero(np.isin(mesh.segments, segments) & mesh.facing)
-    corners = mesh.uv[mesh.triangles[chosen]]
-    extent = np.min(corners.max(axis=1) - corners.min(axis=1), axis=1)
-    return np.asarray(np.minimum.reduceat(extent, np.searchsorted(mesh.segments[chosen], segments)))
 
 
 def set_up(

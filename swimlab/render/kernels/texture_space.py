@@ -117,7 +117,10 @@ PROBES
             const unsigned u = (unsigned)done;
             for (unsigned j = u >> 16 & 255; j <= u >> 24; ++j)
                 for (unsigned c = u & 255; c <= (u >> 8 & 255); ++c)
-                    if (wanted[j*tiles + c] > finest) wanted[j*tiles + c] = finest;
+                    // Other threads lower the same levels, but rarely.
+                    for (int now = wanted[j*tiles + c]; now > finest;)
+                        if (__atomic_compare_exchange_n(wanted + j*tiles + c, &now, finest, true, __ATOMIC_RELAXED,
+                                                        __ATOMIC_RELAXED)) break;
         }
     }
 """
@@ -169,34 +172,14 @@ def unpremultiplication() -> Twins:
     return Twins(divide, UNPREMULTIPLY, 4)
 
 
-@wp.kernel(enable_backward=False)
-def see_scene(
-    first_row: wp.int32,
-    grid: Grid,
-    edges: wp.array(dtype=Edges),
-    planes: wp.array(dtype=Planes),
-    bounds: wp.array(dtype=wp.vec2d),
-    visible: wp.array2d(dtype=wp.int32),
-    seen: wp.array(dtype=wp.int32),
-):
-    """Fill rows of a visibility buffer, one thread a row; `seen`, 0 before, gets 1 for each triangle in them."""
-    j = first_row + wp.tid()
-    see_row(j, j, grid, edges, planes, bounds, visible)
-    x = wp.int32(0)
-    while x < grid.width:
-        if visible[j, x] >= 0:
-            seen[visible[j, x]] = 1
-        x = packet_end(visible, j, x, grid.width)
-
-
 LIGHT_LANES = LANES * rows_of(4)
 
 
 @made_once
-def mark_with(mark: wp.Function) -> wp.Kernel:
-    """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
+def see_and_mark(mark: wp.Function) -> wp.Kernel:
+    """The kernel that fills rows of a visibility buffer and notes all texels that pasting them reads, one thread a row.
 
-    On the CPU rows that are marked at the same time need a `need` each, which says NEVER before.
+    need: of each tile the finest level that is read, NEVER before.
     """
     locate = locate_before(4).native
 
@@ -204,12 +187,15 @@ def mark_with(mark: wp.Function) -> wp.Kernel:
     def kernel(
         first_row: wp.int32,
         grid: Grid,
-        visible: wp.array2d(dtype=wp.int32),
+        edges: wp.array(dtype=Edges),
         planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        visible: wp.array2d(dtype=wp.int32),
         atlas: Atlas,
         need: wp.array(dtype=wp.int32),
     ):
         j = first_row + wp.tid()
+        see_row(j, j, grid, edges, planes, bounds, visible)
         lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
         places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         x = wp.int32(0)

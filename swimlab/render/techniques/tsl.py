@@ -7,24 +7,26 @@ footprint touches, at the level it needs, from moments of the maps where a texel
 from frame to frame.
 """
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
-from swimlab.render.atlas import Ints, Layout, Pool
+from swimlab.render.atlas import NOTHING, Held, Pool, Tiles
 from swimlab.render.inputs import BOX
+from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
 from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.reuse import UNKNOWN, Epochs
+from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs, Lighting, Screen, Work, reduce_targets
+from swimlab.render.target import Jobs, Lighting, Screen, reduce_targets
 from swimlab.render.technique import Picture, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
 INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
 """How the maps are filtered where a target's texel is larger than theirs."""
+
+SHADING = {"all": ALL, "visible": VISIBLE, "needed": NEEDED}
 
 
 class TslSettings(Settings):
@@ -55,38 +57,16 @@ class TslSettings(Settings):
         return size
 
 
-def planned(screen: Screen, settings: TslSettings) -> Work:
+def planned(screen: Screen, settings: TslSettings) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    layout = Layout(screen.segments, np.full(len(screen.segments), settings.size))
-    read = screen.read(layout)
-    if settings.sizes == "fitted":
-        finest = np.array([read[layout.of(k)].min() for k in range(len(screen.segments))], np.int64)
-        widths = np.maximum(16, settings.size >> np.clip(finest + settings.coarser, 0, 16))
-        layout = Layout(screen.segments, widths)
-        read = screen.read(layout)
-    shade = read
-    if settings.texels != "needed":
-        shade = np.where(layout.is_tile & ((read != NEVER) | (settings.texels == "all")), 0, NEVER)
-    return Work(layout, shade, read)
-
-
-class Held(NamedTuple):
-    """What is held of a frame's tiles, by entry.
-
-    shade, keep: as in Work; keep of coarse levels is 0. epoch: the frame whose light it is. pose: its number in Epochs.
-    start: the first texel of its block.
-    """
-
-    layout: Layout
-    frame: int
-    shade: Ints
-    keep: Ints
-    epoch: Ints
-    pose: Ints
-    start: Ints
-
-
-NOTHING = Held(Layout((), np.zeros(0, np.int64)), 0, *[np.zeros(0, np.int64)] * 5)
+    shading = SHADING[settings.texels]
+    sizes = np.full(len(screen.charts.segments), settings.size, np.int32)
+    tiles = screen.read(screen.charts.layout(sizes), shading)
+    if settings.sizes == "fixed":
+        return tiles
+    fitted = np.maximum(16, settings.size >> np.clip(tiles.finest + settings.coarser, 0, 16))
+    widths = np.where(tiles.finest == NEVER, settings.size, fitted).astype(np.int32)
+    return screen.read(screen.charts.layout(widths), shading)
 
 
 class Targets:
@@ -100,74 +80,32 @@ class Targets:
 
     def __call__(self, shot: Shot, settings: TslSettings) -> Picture:
         """The shot's picture; all shots of one renderer are of one sequence, under one set of settings."""
-        screen = Screen.of(shot, settings.anisotropy)
-        if not screen.segments:
+        screen, inputs, launcher = Screen.of(shot, settings.anisotropy), INPUTS[settings.inputs], shot.launcher
+        tiles = planned(screen, settings)
+        if len(tiles.in_sight) == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        work = planned(screen, settings)
-        pool = self._pool = self._pool or Pool(shot.launcher)
+        pool = self._pool = self._pool or Pool(launcher)
         epochs = self._epochs = self._epochs or Epochs(settings.reuse, settings.tolerance)
         epochs.look(shot)
-        near = range(shot.frame - settings.reuse + 1, shot.frame)
+        near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
-        fresh, held = _anew(work, pool, shot.frame) if settings.reuse == 1 else self._carried(work, epochs, shot.frame)
-        table = work.layout.table(shot.launcher, held.keep, held.start)
-        atlas = work.layout.on(shot.launcher, table, screen.targets)
-        jobs = Jobs.of(shot.launcher, Work(work.layout, np.where(fresh, work.shade, NEVER), work.keep), held.epoch)
-        shaded = 0
-        for epoch in np.unique(jobs.epochs).tolist():
-            lighting = self._lightings.setdefault(epoch, Lighting(epochs.shot(epoch), INPUTS[settings.inputs]))
-            shaded += lighting.light(jobs, atlas, pool.texels)
-        reduce_targets(shot.launcher, atlas, pool.texels)
-        self._held = held
-        return Picture(to_image(screen.paste(atlas, pool.texels)), shaded=shaded)
-
-    def _carried(self, work: Work, epochs: Epochs, frame: int) -> tuple[NDArray[np.bool_], Held]:
-        """Which tiles are to be shaded, and what is held once they are; blocks are given back and taken for that."""
-        layout, last, pool = work.layout, self._held, self._pool
-        old = carried(last.layout, layout)
-        before = np.full(layout.entries, UNKNOWN)
-        if last.frame == frame - 1:
-            known = np.flatnonzero(old >= 0)
-            known = known[last.shade[old[known]] != NEVER]
-            before[known] = last.epoch[old[known]]
-        epoch = epochs.epochs(layout, work.shade != NEVER, before)
-        pose = epochs.poses(epoch)
-        keep = layout.with_coarse(work.keep)
-        fits = np.flatnonzero(old >= 0)
-        was = old[fits]
-        same = (last.shade[was] == work.shade[fits]) & (last.pose[was] == pose[fits]) & (last.keep[was] <= keep[fits])
-        same |= ~layout.is_tile[fits]
-        fits, was = fits[same], was[same]
-        keep[fits] = last.keep[was]
-        lost = np.ones(len(last.start), bool)
-        lost[was] = False
-        lost &= last.keep != NEVER
-        pool.give(last.start[lost], last.layout.block(last.keep)[lost])
-        fresh = np.ones(layout.entries, bool)
-        fresh[fits] = False
-        start = pool.hold(layout, np.where(fresh, keep, NEVER))
-        start[fits] = last.start[was]
-        return fresh & (work.shade != NEVER), Held(layout, frame, work.shade, keep, epoch, pose, start)
-
-
-def _anew(work: Work, pool: Pool, frame: int) -> tuple[NDArray[np.bool_], Held]:
-    """As `_carried` where nothing is kept."""
-    layout, keep = work.layout, work.layout.with_coarse(work.keep)
-    pool.clear()
-    epoch, pose = np.full(layout.entries, frame), np.zeros(layout.entries, np.int64)
-    start = pool.hold(layout, keep)
-    return work.shade != NEVER, Held(layout, frame, work.shade, keep, epoch, pose, start)
-
-
-def carried(last: Layout, layout: Layout) -> Ints:
-    """The entry that each entry of a layout had in another, -1 where it had none."""
-    had = {key: k for k, key in enumerate(zip(last.segments, last.widths.tolist(), strict=True))}
-    found = np.full(layout.entries, -1)
-    for target, key in enumerate(zip(layout.segments, layout.widths.tolist(), strict=True)):
-        if key in had:
-            here, there = layout.of(target), last.of(had[key])
-            found[here.start - 1 : here.stop] = np.arange(there.start - 1, there.stop)
-    return found
+        self._lightings[shot.frame] = Lighting(shot, inputs)
+        held = self._held
+        if settings.reuse == 1:
+            held = NOTHING
+            pool.clear()
+        epochs.find(tiles, (held if held.frame == shot.frame - 1 else NOTHING).tiles)
+        pool.hold(tiles, epochs.poses, epochs.oldest, held.tiles)
+        jobs = Jobs.of(launcher, tiles, epochs.oldest, shot.frame)
+        shaded = []
+        for frame in jobs.frames:
+            if frame not in self._lightings:
+                self._lightings[frame] = Lighting(epochs.shot(frame), inputs)
+            shaded += self._lightings[frame].light(jobs, tiles.atlas, pool.texels)
+        reduce_targets(launcher, tiles.atlas, pool.texels)
+        self._held = Held(shot.frame, tiles)
+        picture = to_image(screen.paste(tiles.atlas, pool.texels))
+        return Picture(picture, shaded=sum(int(each.numpy().sum(dtype=np.int64)) for each in shaded))
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:

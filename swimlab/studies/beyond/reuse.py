@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from swimlab.render.atlas import Pool
+from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
 from swimlab.render.target import Jobs, Lighting, Screen, reduce_targets
 from swimlab.render.technique import Image, to_image
@@ -66,16 +67,13 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     """A frame under the light of the frame before: its eye and its sun, seen from where the camera is now."""
     launcher = shot.launcher
     screen = Screen.of(shot, settings.anisotropy)
-    work = planned(screen, settings)
-    pool = Pool(launcher)
-    keep = work.layout.with_coarse(work.keep)
-    table = work.layout.table(launcher, keep, pool.hold(work.layout, keep))
-    atlas = work.layout.on(launcher, table, screen.targets)
-    before = shot.at(shot.frame - 1)
-    jobs = Jobs.of(launcher, work, np.full(work.layout.entries, before.frame))
-    Lighting(before, INPUTS[settings.inputs]).light(jobs, atlas, pool.texels)
-    reduce_targets(launcher, atlas, pool.texels)
-    return to_image(screen.paste(atlas, pool.texels))
+    tiles, pool, before = planned(screen, settings), Pool(launcher), shot.at(shot.frame - 1)
+    tiles.table[EPOCH] = before.frame
+    pool.hold(tiles, [0], before.frame)
+    jobs = Jobs.of(launcher, tiles, before.frame, before.frame)
+    Lighting(before, INPUTS[settings.inputs]).light(jobs, tiles.atlas, pool.texels)
+    reduce_targets(launcher, tiles.atlas, pool.texels)
+    return to_image(screen.paste(tiles.atlas, pool.texels))
 
 
 def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:

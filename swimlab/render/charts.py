@@ -1,0 +1,115 @@
+"""Charts: the segments of a mesh in texture space, each with its atlas coordinates as positions."""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from metrics.kernels.launch import Launcher
+from swimlab.render.atlas import Ints, Layout, placed
+from swimlab.render.mesh import Doubles, Mesh
+from swimlab.render.shot import Kept, Shot
+from swimlab.render.triangles import Triangles, set_up
+
+
+@dataclass(frozen=True)
+class Charts:
+    """The charts of a mesh that turn to the eye, wholly or in part; (0, 0) to (1, 1) is a whole target.
+
+    Triangles that face away are left out (Sloan & Baker, Drawing polygons on the backside).
+
+    chosen: the mesh's triangles that are left, chart by chart. segments: [n], numbers of the charts, rising. ranges:
+    [n, 2], of each chart the first of its triangles among these and one past the last. low, high: [n, 2], its extent in
+    uv. narrowest: [n], the least extent in u or v of its triangles. targets: on the device, the chart of each triangle
+    of the mesh, or -1.
+    """
+
+    launcher: Launcher
+    mesh: Mesh
+    chosen: NDArray[np.int64]
+    segments: NDArray[np.int64]
+    ranges: Ints
+    low: Doubles
+    high: Doubles
+    narrowest: Doubles
+    targets: Any
+    _kept: Kept = field(default_factory=Kept, repr=False)
+
+    @staticmethod
+    def of(launcher: Launcher, mesh: Mesh) -> "Charts":
+        """All charts of a mesh."""
+        chosen = np.flatnonzero(mesh.facing)
+        segments, first, owners = np.unique(mesh.segments[chosen], return_index=True, return_inverse=True)
+        targets = np.full(len(mesh.segments), -1, np.int32)
+        targets[chosen] = owners
+        corners = mesh.uv[mesh.triangles[chosen]]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        extent = np.min(high - low, axis=1)
+        some = len(segments) > 0
+        return Charts(
+            launcher,
+            mesh,
+            chosen,
+            segments,
+            np.stack([first, np.append(first[1:], len(chosen))], axis=1).astype(np.int32),
+            np.minimum.reduceat(low, first) if some else low,
+            np.maximum.reduceat(high, first) if some else high,
+            np.minimum.reduceat(extent, first) if some else extent,
+            launcher.view(targets, wp.int32),
+        )
+
+    def layout(self, widths: Ints) -> Layout:
+        """Targets of so many texels a side, [n]."""
+        return self._kept.get("layout", widths.tobytes(), lambda: Layout(self.segments, widths))
+
+    def coarsest(self, layout: Layout) -> Ints:
+        """The coarsest level of each target at which no texel is larger than a triangle, which it may miss, [n]."""
+        texels = self.narrowest * layout.widths
+        return np.maximum(np.frexp(texels)[1] - 1, 0).astype(np.int32)
+
+    def drawn(self, layout: Layout) -> "Drawn":
+        """The charts in the targets of a layout, which may be of other charts."""
+        return self._kept.get("drawn", layout, lambda: self._draw(layout))
+
+    def _draw(self, layout: Layout) -> "Drawn":
+        place = placed(layout.segments, self.segments)
+        has, place = place >= 0, np.maximum(place, 0)
+        ranges, widened = np.zeros((len(place), 2), np.int32), np.zeros(len(place), bool)
+        texels = np.zeros(len(self.segments))
+        if has.any():
+            ranges[has] = self.ranges[place[has]]
+            widened[has] = np.any((self.high - self.low)[place[has]] < 1 / layout.widths[has, None], axis=1)
+            texels[place[widened]] = 1 / layout.widths[widened]
+        triangles = self._kept.get("triangles", texels.tobytes(), lambda: self._set_up(texels))
+        return Drawn(self.launcher.view(ranges, wp.vec2i), widened, triangles)
+
+    def _set_up(self, texels: Doubles) -> Triangles:
+        """texels: the side of one of each chart that is widened, else 0."""
+        mesh = self.mesh
+        points = np.concatenate([mesh.uv, np.ones((len(mesh.uv), 1))], axis=1)
+        for k in np.flatnonzero(texels).tolist():
+            vertices = np.unique(mesh.triangles[self.chosen[slice(*self.ranges[k])]])
+            middle = (self.low[k] + self.high[k]) / 2
+            wider = np.maximum(1.0, texels[k] / np.maximum(self.high[k] - self.low[k], 1e-12))
+            points[vertices, :2] = middle + (mesh.uv[vertices] - middle) * wider
+        return set_up(self.launcher, points, mesh, self.chosen)
+
+
+class Drawn(NamedTuple):
+    """Charts in targets. A chart narrower than a texel, which might hold no texel's centre, is widened about its middle.
+
+    ranges: [n] on the device, of each target the first of its triangles and one past the last. widened: [n], whether its
+    chart is. triangles: of all charts, ready for the rasteriser.
+    """
+
+    ranges: Any
+    widened: NDArray[np.bool_]
+    triangles: Triangles
+
+
+def charts_of(shot: Shot) -> Charts:
+    """The charts of a shot's mesh; kept where the eye stands still."""
+    of = shot.sequence.scene, shot.view.camera, shot.launcher
+    return shot.kept("charts", of, lambda: Charts.of(shot.launcher, shot.mesh))

@@ -1,0 +1,254 @@
+"""Which tiles are lit, where they are held and in what order they are lit: on the host, in one thread.
+
+All that is known of the tiles of a frame is a table, [ROWS, entries] (see `swimlab.render.atlas.Layout`).
+"""
+
+import warp as wp
+
+from swimlab.render.kernels.texture_space import NEVER
+from swimlab.render.kernels.tiles import TILE_LEVEL
+
+SHADE, KEEP, EPOCH, POSE, START, TABLE, ANEW = range(7)
+"""Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level to keep of it,
+NEVER for none. EPOCH: the frame whose light it is. POSE: a number of where eye and sun were. START: the first texel of
+its block in the pool. TABLE: what kernels take (see Pages). ANEW: the level to shade it at now, NEVER where it is held.
+"""
+ROWS = 7
+
+NEEDED, VISIBLE, ALL = range(3)
+"""What is shaded: tiles that are read, at the level they are read at; these at level 0; all of targets in sight."""
+
+LEVELS = TILE_LEVEL + 1
+"""Levels of a tile."""
+
+KINDS = LEVELS + 9
+"""Kinds of blocks, each of one size: of tiles by how many levels they have, of coarse levels by tiles along a target."""
+
+ALIGNED, BETWEEN, FILTERED = range(3)
+"""Ways to light a job: its texels are a level of the maps; they lie between those of level 0; neither."""
+WAYS = 3
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.kernel
+def choose_levels(
+    shapes: wp.array2d(dtype=wp.int32),
+    coarsest: wp.array(dtype=wp.int32),
+    need: wp.array(dtype=wp.int32),
+    shading: wp.int32,
+    table: wp.array2d(dtype=wp.int32),
+    finest: wp.array(dtype=wp.int32),
+):
+    """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
+
+    shapes: as in Atlas. Nothing is kept coarser than `coarsest` of its target. Of coarse levels all are kept where
+    something of the target is read.
+    """
+    for k in range(shapes.shape[0]):
+        first = shapes[k, 3]
+        across = shapes[k, 0] >> shapes[k, 2]
+        last = first + across * across
+        least = wp.int32(NEVER)
+        for entry in range(first, last):
+            keep = need[entry]
+            if keep != NEVER:
+                keep = wp.min(keep, coarsest[k])
+            least = wp.min(least, keep)
+            shade = keep
+            if keep != NEVER and shading != NEEDED:
+                shade = wp.int32(0)
+            table[KEEP, entry] = keep
+            table[SHADE, entry] = shade
+        if shading == ALL and least != NEVER:
+            for entry in range(first, last):
+                table[SHADE, entry] = 0
+        table[KEEP, first - 1] = wp.where(least == NEVER, wp.int32(NEVER), wp.int32(0))
+        table[SHADE, first - 1] = NEVER
+        finest[k] = least
+
+
+@wp.func
+def kind_of(shape_width: wp.int32, tile_level: wp.int32, coarse: wp.bool, keep: wp.int32) -> wp.int32:
+    """The kind of an entry's block."""
+    if not coarse:
+        return tile_level - wp.min(keep, tile_level)
+    kind = wp.int32(LEVELS)
+    while (shape_width >> tile_level) >> (kind - LEVELS) > 1:
+        kind += 1
+    return kind
+
+
+@wp.func
+def size_of(kind: wp.int32) -> wp.int64:
+    """Texels of a block: of a tile all levels but that of one texel, which is among the coarse levels."""
+    if kind < LEVELS:
+        return ((wp.int64(4) << wp.int64(2 * kind)) - wp.int64(1)) / wp.int64(3) - wp.int64(1)
+    return ((wp.int64(4) << wp.int64(2 * (kind - LEVELS))) - wp.int64(1)) / wp.int64(3)
+
+
+@wp.func
+def is_held(
+    now: wp.array2d(dtype=wp.int32),
+    entry: wp.int32,
+    last: wp.array2d(dtype=wp.int32),
+    was: wp.int32,
+    coarse: wp.bool,
+) -> wp.bool:
+    """Whether what was held of an entry is what is wanted of it now."""
+    if coarse:
+        return last[KEEP, was] == now[KEEP, entry]
+    same = last[SHADE, was] == now[SHADE, entry] and last[POSE, was] == now[POSE, entry]
+    return same and last[KEEP, was] <= now[KEEP, entry]
+
+
+@wp.kernel
+def hold_tiles(
+    oldest: wp.int32,
+    poses: wp.array(dtype=wp.int32),
+    shapes: wp.array2d(dtype=wp.int32),
+    before: wp.array(dtype=wp.int32),
+    now: wp.array2d(dtype=wp.int32),
+    last_shapes: wp.array2d(dtype=wp.int32),
+    after: wp.array(dtype=wp.int32),
+    last: wp.array2d(dtype=wp.int32),
+    free: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int64),
+):
+    """Fill POSE, START, TABLE and ANEW: blocks of what is lost are given back, and others taken for what is new.
+
+    poses: of frames from `oldest` on. before: of each target its place in the last frame, or -1; after: the other way
+    round. free: first texels of blocks of each kind that nobody has, `count` of each. end: the pool's first texel that
+    nobody ever had.
+    """
+    for k in range(shapes.shape[0]):
+        across = shapes[k, 0] >> shapes[k, 2]
+        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + across * across):
+            now[POSE, entry] = poses[now[EPOCH, entry] - oldest]
+    for j in range(last_shapes.shape[0]):
+        across = last_shapes[j, 0] >> last_shapes[j, 2]
+        k = after[j]
+        for i in range(-1, across * across):
+            was = last_shapes[j, 3] + i
+            if last[KEEP, was] != NEVER:
+                lost = k < 0
+                if not lost:
+                    lost = not is_held(now, shapes[k, 3] + i, last, was, i < 0)
+                if lost:
+                    kind = kind_of(last_shapes[j, 0], last_shapes[j, 2], i < 0, last[KEEP, was])
+                    free[kind, count[kind]] = last[START, was]
+                    count[kind] += 1
+    for k in range(shapes.shape[0]):
+        tile_level = shapes[k, 2]
+        across = shapes[k, 0] >> tile_level
+        whole = 1 << (2 * tile_level)
+        j = before[k]
+        for i in range(-1, across * across):
+            entry = shapes[k, 3] + i
+            keep = now[KEEP, entry]
+            anew = now[SHADE, entry]
+            start = wp.int32(0)
+            held = wp.bool(False)
+            if j >= 0:
+                was = last_shapes[j, 3] + i
+                held = is_held(now, entry, last, was, i < 0)
+                if held:
+                    keep = last[KEEP, was]
+                    start = last[START, was]
+                    anew = wp.int32(NEVER)
+            if not held and keep != NEVER:
+                kind = kind_of(shapes[k, 0], tile_level, i < 0, keep)
+                if count[kind] > 0:
+                    count[kind] -= 1
+                    start = free[kind, count[kind]]
+                else:
+                    start = wp.int32(end[0])
+                    end[0] += size_of(kind)
+            now[KEEP, entry] = keep
+            now[START, entry] = start
+            now[ANEW, entry] = anew
+            # A tile's table says where its level 0 would begin.
+            if i >= 0 and keep != NEVER:
+                start -= 4 * (whole - (whole >> (2 * wp.min(keep, tile_level)))) / 3
+            now[TABLE, entry] = start
+
+
+@wp.kernel
+def order_jobs(
+    oldest: wp.int32,
+    shapes: wp.array2d(dtype=wp.int32),
+    table: wp.array2d(dtype=wp.int32),
+    places: wp.array3d(dtype=wp.int32),
+    tiles: wp.array(dtype=wp.int32),
+    kept: wp.array(dtype=wp.int32),
+    jobs: wp.array2d(dtype=wp.int32),
+    ranges: wp.array(dtype=wp.int32),
+):
+    """Jobs of all tiles that are to be shaded now, by epoch, target and level (see `swimlab.render.kernels.tiles`).
+
+    places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs + 1], the first job of each epoch.
+    """
+    for k in range(shapes.shape[0]):
+        across = shapes[k, 0] >> shapes[k, 2]
+        for entry in range(shapes[k, 3], shapes[k, 3] + across * across):
+            level = table[ANEW, entry]
+            if level != NEVER:
+                places[table[EPOCH, entry] - oldest, k, level] += 1
+    placed = wp.int32(0)
+    found = wp.int32(0)
+    for epoch in range(places.shape[0]):
+        ranges[epoch] = found
+        for k in range(shapes.shape[0]):
+            for level in range(LEVELS):
+                stop = placed + places[epoch, k, level]
+                places[epoch, k, level] = placed
+                while placed < stop:
+                    together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k, 2] + level)), stop - placed)
+                    jobs[found, 0] = k
+                    jobs[found, 1] = level
+                    jobs[found, 2] = placed
+                    jobs[found, 3] = together
+                    found += 1
+                    placed += together
+    ranges[places.shape[0]] = found
+    for k in range(shapes.shape[0]):
+        across = shapes[k, 0] >> shapes[k, 2]
+        for entry in range(shapes[k, 3], shapes[k, 3] + across * across):
+            level = table[ANEW, entry]
+            if level != NEVER:
+                epoch = table[EPOCH, entry] - oldest
+                place = places[epoch, k, level]
+                places[epoch, k, level] = place + 1
+                tiles[place] = entry
+                kept[place] = table[KEEP, entry]
+
+
+@wp.kernel
+def part_jobs(
+    jobs: wp.array2d(dtype=wp.int32),
+    shapes: wp.array2d(dtype=wp.int32),
+    widened: wp.array(dtype=wp.bool),
+    finest: wp.int32,
+    square: wp.bool,
+    parted: wp.array2d(dtype=wp.int32),
+    ranges: wp.array(dtype=wp.int32),
+):
+    """Put jobs of one way behind those of another; ranges: [WAYS + 1], the first job of each.
+
+    widened: whether a target's chart is. finest: texels of the maps along their longer side. square: whether both are
+    as long. Between texels of the maps two normals that are blended by magnification are no roughness.
+    """
+    found = wp.int32(0)
+    for way in range(WAYS):
+        ranges[way] = found
+        for job in range(jobs.shape[0]):
+            target = jobs[job, 0]
+            mine = wp.where(square and not widened[target], wp.int32(ALIGNED), wp.int32(FILTERED))
+            if shapes[target, 0] >> jobs[job, 1] > finest:
+                mine = wp.int32(BETWEEN)
+            if mine == way:
+                for column in range(4):
+                    parted[found, column] = jobs[job, column]
+                found += 1
+    ranges[WAYS] = found
