@@ -31,7 +31,7 @@ class Layout:
     @cached_property
     def tile_levels(self) -> Ints:
         """The level of each target at which one texel covers one tile."""
-        return np.minimum(np.frexp(self.widths)[1] - 1, TILE_LEVEL).astype(np.int32)
+        return np.asarray(np.minimum(np.frexp(self.widths)[1] - 1, TILE_LEVEL), np.int32)
 
     @cached_property
     def across(self) -> Ints:

@@ -67,7 +67,7 @@ class Charts:
     def coarsest(self, layout: Layout) -> Ints:
         """The coarsest level of each target at which no texel is larger than a triangle, which it may miss, [n]."""
         texels = self.narrowest * layout.widths
-        return np.maximum(np.frexp(texels)[1] - 1, 0).astype(np.int32)
+        return np.asarray(np.maximum(np.frexp(texels)[1] - 1, 0), np.int32)
 
     def drawn(self, layout: Layout) -> "Drawn":
         """The charts in the targets of a layout, which may be of other charts."""
@@ -98,10 +98,10 @@ class Charts:
 
 
 class Drawn(NamedTuple):
-    """Charts in targets. A chart narrower than a texel, which might hold no texel's centre, is widened about its middle.
+    """Charts in targets. One narrower than a texel, which might hold no texel's centre, is widened about its middle.
 
-    ranges: [n] on the device, of each target the first of its triangles and one past the last. widened: [n], whether its
-    chart is. triangles: of all charts, ready for the rasteriser.
+    ranges: [n] on the device, of each target the first of its triangles and one past the last. widened: [n], whether
+    its chart is. triangles: of all charts, ready for the rasteriser.
     """
 
     ranges: Any

@@ -18,6 +18,7 @@ from swimlab.render.kernels.epochs import follow
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
 
+
 class Pose(NamedTuple):
     """What light depends on. eye: m, in the world. direction, diffuse: of the sun. Frames of one number are alike."""
 

@@ -10,7 +10,7 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Ints, Layout, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, FILTERED, LEVELS, NEEDED, WAYS, order_jobs, part_jobs
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN, LEVELS, NEEDED, WAYS, order_jobs, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, see_and_mark
@@ -104,7 +104,7 @@ class Lighting:
         self.shot, self.inputs, self._charts = shot, shot.inputs(inputs), charts_of(shot)
 
     def light(self, jobs: Jobs, atlas: Any, texels: Any) -> list[Any]:
-        """Light the jobs of this frame where the atlas says, but coarse levels; texels shaded, by job, on the device."""
+        """Light the jobs of this frame where the atlas says, but coarse levels; texels shaded by each, on device."""
         launcher, drawn = self.shot.launcher, self._charts.drawn(jobs.layout)
         shaded = []
         for mine, (kernel, chain) in self._ways(jobs.layout, jobs.as_in(self.shot.frame), drawn):
@@ -121,17 +121,20 @@ class Lighting:
         parted, ranges = np.empty_like(jobs), np.empty(WAYS + 1, np.int32)
         inputs = [jobs, layout.shapes, drawn.widened, max(size), size[0] == size[1], parted, ranges]
         self.shot.launcher.on_host(part_jobs, inputs)
-        ways = {ALIGNED: self._aligned, BETWEEN: lambda: self._filtered(BOX), FILTERED: self._filtered}
-        parts = {way: parted[slice(*ranges[way : way + 2])] for way in ways}
-        return [(part, ways[way]()) for way, part in parts.items() if len(part)]
+        parts = {way: parted[slice(*ranges[way : way + 2])] for way in range(WAYS)}
+        return [(part, self._way(way)) for way, part in parts.items() if len(part)]
+
+    def _way(self, way: int) -> "Way":
+        if way == ALIGNED:
+            return self._aligned()
+        return self._filtered(BOX if way == BETWEEN else self.inputs)
 
     def _aligned(self) -> "Way":
         chain = self.shot.material.resolved(self.inputs)
         fill = aligned(chain.floats).on(self.shot.launcher.device)
         return Way(light_tiles(fill, self.shot.shade_packet(self.inputs, chain.floats), chain.floats), chain)
 
-    def _filtered(self, inputs: Inputs | None = None) -> "Way":
-        inputs = inputs or self.inputs
+    def _filtered(self, inputs: Inputs) -> "Way":
         chain = self.shot.material.chain(inputs)
         device = self.shot.launcher.device
         fill = inputs.after(ISOTROPIC.fill(chain.floats, device), chain.floats, device)

@@ -8,14 +8,15 @@ import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Pool
+from swimlab.render.atlas import Pool, Tiles
 from swimlab.render.catalogue import model_of
 from swimlab.render.inputs import Inputs
+from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE, START
 from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs, Lighting, Screen, Work
+from swimlab.render.target import Jobs, Lighting, Screen
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
@@ -42,13 +43,13 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     in the light of its own frame.
     """
     settings = TslSettings.model_validate(shot.sequence.techniques.get("tsl", {}))
-    work = planned(Screen.of(shot, settings.anisotropy), settings)
+    tiles = planned(Screen.of(shot, settings.anisotropy), settings)
     lightings = [Lighting(shot, inputs) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []
-    for target, segment in enumerate(work.layout.segments):
-        light, bumps = (picture_of(target, work, lighting) for lighting in lightings)
-        path = folder / f"{segment:04d}.exr"
+    for target in tiles.in_sight:
+        light, bumps = (picture_of(target, tiles, lighting) for lighting in lightings)
+        path = folder / f"{tiles.layout.segments[target]:04d}.exr"
         write_channels(path, light, COLOUR, half=False, metadata=metadata)
         both = np.concatenate([bumps[::-1, :, :3], light[::-1, :, :3]], axis=1)
         codes = np.rint(255 * np.sqrt(np.clip(both, 0, 1))).astype(np.uint8)
@@ -58,24 +59,22 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     return written
 
 
-def picture_of(target: int, work: Work, lighting: Lighting) -> Image:
+def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     """A target as one picture [size, size, 4]: each tile at the level it is shaded at, 0 where it is not."""
-    launcher, layout = lighting.shot.launcher, work.layout
-    mine = layout.is_tile & (layout.owners == target)
-    levels = np.where(mine, work.shade, NEVER)
-    lit = mine & (levels != NEVER)
-    coarse = int(layout.firsts[target]) - 1
-    pool, keep = Pool(launcher), layout.with_coarse(levels)
-    start = pool.hold(layout, keep)
-    atlas = layout.on(launcher, layout.table(launcher, keep, start), launcher.empty(0, wp.int32))
-    epochs = np.full(layout.entries, lighting.shot.frame)
-    lighting.light(Jobs.of(launcher, Work(layout, levels, levels), epochs), atlas, pool.texels)
-    texels = pool.texels.numpy()
+    launcher, layout, frame = lighting.shot.launcher, tiles.layout, lighting.shot.frame
+    pool, mine = Pool(launcher), layout.of(target)
+    shown = tiles._replace(table=np.full_like(tiles.table, NEVER))
+    shown.table[SHADE, mine] = shown.table[KEEP, mine] = levels = tiles.table[SHADE, mine]
+    shown.table[KEEP, mine.start - 1] = 0
+    shown.table[EPOCH] = frame
+    pool.hold(shown, [0], frame)
+    lighting.light(Jobs.of(launcher, shown, frame, frame), shown.atlas, pool.texels)
+    texels, start = pool.texels.numpy(), shown.table[START]
     across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
     out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)
-    for entry in np.flatnonzero(lit).tolist():
-        place, side = entry - coarse - 1, 1 << (tile_level - int(levels[entry]))
-        first = start[entry] if side > 1 else start[coarse] + place
+    for place in np.flatnonzero(levels != NEVER).tolist():
+        side = 1 << (tile_level - int(levels[place]))
+        first = start[mine.start + place] if side > 1 else start[mine.start - 1] + place
         tile = texels[first : first + side * side].reshape(side, side, 4)
         each = (1 << tile_level) // side
         out[place // across, place % across] = tile.repeat(each, axis=0).repeat(each, axis=1)

@@ -33,12 +33,12 @@ def follow(
 ):
     """Fill EPOCH of the tiles that are shaded, one thread a row of tiles.
 
-    Frames are counted from `oldest` on in eyes, lights (directions towards the sun) and whole, [frames, targets]. width:
-    m, of the road. rows: of each row its target, its first entry, how many tiles it has and which row it is. places: y
-    and z (m) of its tiles' middles. before: its first entry in `last`, or -1.
+    Frames are counted from `oldest` on in eyes, lights (directions towards the sun) and whole, [frames, targets].
+    width: m, of the road. rows: of each row its target, its first entry, how many tiles it has and which row it is.
+    places: y and z (m) of its tiles' middles. before: its first entry in `last`, or -1.
 
-    A tile's light is made anew in turn. Between, a frame renews it where it was not of a whole target, or has changed by
-    more than the tolerance: steepness times the turn of the half vector, or the turn of the sun.
+    A tile's light is made anew in turn. Between, a frame renews it where it was not of a whole target, or has changed
+    by more than the tolerance: steepness times the turn of the half vector, or the turn of the sun.
     """
     k = first_row + wp.tid()
     row = rows[k]

@@ -22,7 +22,7 @@ LEVELS = TILE_LEVEL + 1
 """Levels of a tile."""
 
 KINDS = LEVELS + 9
-"""Kinds of blocks, each of one size: of tiles by how many levels they have, of coarse levels by tiles along a target."""
+"""Kinds of blocks, each of one size: a tile's by its levels, coarse levels' by the tiles along their target."""
 
 ALIGNED, BETWEEN, FILTERED = range(3)
 """Ways to light a job: its texels are a level of the maps; they lie between those of level 0; neither."""

@@ -6,9 +6,11 @@ from scipy.ndimage import binary_erosion, map_coordinates
 
 from metrics.kernels.launch import Strip
 from sequences import load
+from swimlab.render.atlas import Layout
+from swimlab.render.charts import Charts
 from swimlab.render.geometry import describe_geometry
 from swimlab.render.kernels.structs import Grid
-from swimlab.render.triangles import in_texture, visibility
+from swimlab.render.triangles import Triangles, visibility
 
 STEP = 0.1
 """Metres between the places of a ray that are looked at before its root is refined: 1/200 of a wave."""
@@ -113,18 +115,22 @@ def test_back_faces_are_drawn_neither_on_the_screen_nor_into_targets(shoot):
     sequence = HILLS.with_changes(scene={"road": road})
     shot = shoot(sequence, 0)
     scene, eye = sequence.scene.road, sequence.camera.eye(sequence.scene.road)
+    charts = Charts.of(shot.launcher, shot.mesh)
+    drawn_charts = charts.drawn(Layout(np.arange(2, 12), np.full(10, size, np.int32)))
     away = 0
-    for segment in range(2, 12):
+    for place, segment in enumerate(range(2, 12)):
         y = (segment + np.arange(cut + 1) / cut) * scene.segment
         z = scene.height_at(y)
         faces = eye[2] > z[:-1] + (z[1:] - z[:-1]) / (y[1:] - y[:-1]) * (eye[1] - y[:-1])
-        triangles = in_texture(shot.launcher, shot.mesh, [segment], np.zeros(1)).triangles
+        first, stop = drawn_charts.ranges.numpy()[place].tolist()
+        ready = drawn_charts.triangles
+        triangles = Triangles(*(each[first:stop] for each in (ready.edges, ready.planes, ready.bounds)))
         grid = Grid()
         grid.pitch, grid.width, grid.height = (1 / size, 1 / size), size, size
         drawn = visibility(shot.launcher, triangles, grid, Strip(0, size)).numpy() >= 0
         assert np.array_equal(drawn, np.repeat(faces, size // cut)[:, None] & np.ones(size, bool))
-        assert triangles.back_faces == 2 * np.sum(~faces)
-        away += triangles.back_faces
+        assert stop - first == 2 * np.sum(faces)
+        away += 2 * np.sum(~faces)
     assert 0 < away <= shot.triangles.back_faces
     seen = visibility(shot.launcher, shot.triangles, shot.grid(), Strip(0, 54)).numpy()
     assert shot.mesh.facing[seen[seen >= 0]].all()

@@ -7,11 +7,14 @@ from hypothesis import strategies as st
 
 from metrics.kernels.launch import Launcher
 from sequences import load
-from swimlab.render.atlas import Layout, Pool
+from swimlab.render.atlas import NOTHING, Layout, Pool, Tiles, matched
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.tiles import MOST_TEXELS
-from swimlab.render.reuse import UNKNOWN, Epochs
+from swimlab.render.kernels.placing import ANEW, EPOCH, KEEP, POSE, ROWS, SHADE, START
+from swimlab.render.kernels.texture_space import NEVER, Atlas
+from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
+from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
+from swimlab.render.target import Jobs
 
 SIZE = (96, 54)
 NEEDED = {"size": 256, "texels": "needed", "inputs": "vmf"}
@@ -108,13 +111,20 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert np.all(np.diff(shaded) < 0)
 
 
+def tiles_of(layout, shade=0, keep=0):
+    """Tiles of targets that are all in sight."""
+    table = np.zeros((ROWS, layout.entries), np.int32)
+    table[SHADE], table[KEEP] = shade, keep
+    return Tiles(layout, table, np.zeros(len(layout.widths), np.int32), Atlas())
+
+
 def ages(shoot, sequence, frame, reuse, tolerance, segments=(2, 3)):
     """How old the light of each tile of two targets is."""
-    layout = Layout(segments, np.full(len(segments), 256))
+    tiles = tiles_of(Layout(np.array(segments), np.full(len(segments), 256, np.int32)))
     epochs = Epochs(reuse, tolerance)
     epochs.look(shoot(sequence, frame))
-    found = epochs.epochs(layout, layout.is_tile, np.full(layout.entries, UNKNOWN))
-    return frame - found[layout.is_tile]
+    epochs.find(tiles, NOTHING.tiles)
+    return frame - np.concatenate([tiles.table[EPOCH, tiles.layout.of(k)] for k in range(len(segments))])
 
 
 def test_tiles_take_turns(shoot):
@@ -159,19 +169,82 @@ def test_cut_segments_are_lit_anew(shoot):
     assert last.max() == 0
 
 
-@settings(derandomize=True, max_examples=20, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1))
-def test_blocks_that_are_held_never_overlap(launcher, seed):
-    """Whatever was given back before; and all lie within the pool, beyond the texels that are nobody's."""
-    rng, pool = np.random.default_rng(seed), Pool(launcher)
-    held = np.zeros((0, 2), np.int64)
-    for _ in range(12):
-        sizes = rng.choice([1, 4, 20, 84, 340], rng.integers(0, 30))
-        held = np.concatenate([held, np.stack([pool.take(sizes), sizes], axis=1)])
-        lost = rng.random(len(held)) < 0.5
-        pool.give(*held[lost].T)
-        held = held[~lost]
-        start, size = held[np.argsort(held[:, 0])].T
-        assert (start[1:] >= (start + size)[:-1]).all()
-        assert (start >= MOST_TEXELS).all()
-        assert (start + size <= len(pool.texels)).all()
+LEVELS = st.one_of(st.integers(0, TILE_LEVEL), st.just(NEVER))
+
+
+@st.composite
+def clips(draw):
+    """Tiles of some frames: which charts have targets, how large, which levels are kept, and of which light."""
+    frames = []
+    for _ in range(draw(st.integers(1, 6))):
+        segments = np.array(sorted(draw(st.sets(st.integers(0, 5), min_size=1))))
+        widths = np.array(draw(st.lists(st.sampled_from([16, 32, 64]), min_size=len(segments), max_size=len(segments))))
+        layout = Layout(segments, widths.astype(np.int32))
+        keep = np.array(draw(st.lists(LEVELS, min_size=layout.entries, max_size=layout.entries)))
+        owners = np.searchsorted(layout.firsts - 1, np.arange(layout.entries), side="right") - 1
+        keep = np.where(keep == NEVER, NEVER, np.minimum(keep, layout.tile_levels[owners]))
+        keep[layout.firsts - 1] = draw(st.sampled_from([0, NEVER]))
+        epochs = draw(st.lists(st.integers(0, 1), min_size=layout.entries, max_size=layout.entries))
+        frames.append((layout, keep, np.array(epochs)))
+    return frames
+
+
+def size_of_block(layout, entry, keep):
+    """Texels that an entry holds: a tile's levels but its last, all coarse levels of a target."""
+    target = np.searchsorted(layout.firsts - 1, entry, side="right") - 1
+    across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
+    if entry == layout.firsts[target] - 1:
+        return sum(4**level for level in range(across.bit_length()))
+    return sum(4**level for level in range(1, tile_level - keep + 1))
+
+
+@settings(derandomize=True, max_examples=60, deadline=None)
+@given(frames=clips())
+def test_blocks_that_are_held_never_overlap(launcher, frames):
+    """Whatever was given back before; all lie within the pool, beyond the texels that are nobody's. What is held of
+    the frame before lies where it lay, and all else is to be shaded anew."""
+    pool, last = Pool(launcher), NOTHING.tiles
+    for layout, keep, epochs in frames:
+        tiles = tiles_of(layout, keep, keep)
+        tiles.table[EPOCH] = epochs
+        pool.hold(tiles, [7, 8], 0, last)
+        kept, start, anew = tiles.table[KEEP], tiles.table[START], tiles.table[ANEW]
+        blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
+        begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
+        assert (begin[1:] >= (begin + size)[:-1]).all()
+        assert (begin >= MOST_TEXELS).all()
+        assert (begin + size <= len(pool.texels)).all()
+        assert ((kept <= keep) | (keep == NEVER)).all()
+        before = matched(layout, last.layout)[0]
+        for target, place in enumerate(before):
+            for entry in range(layout.of(target).start, layout.of(target).stop):
+                was = entry - layout.of(target).start + last.layout.of(place).start if place >= 0 else None
+                same = was is not None and all(last.table[row, was] == tiles.table[row, entry] for row in (SHADE, POSE))
+                if same and last.table[KEEP, was] <= keep[entry]:
+                    assert anew[entry] == NEVER
+                    assert (kept[entry], start[entry]) == (last.table[KEEP, was], last.table[START, was])
+                else:
+                    assert anew[entry] == keep[entry]
+        last = tiles
+
+
+@settings(derandomize=True, max_examples=40, deadline=None)
+@given(frames=clips())
+def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
+    """Jobs are of one frame, one target and one level each, and no larger than a whole tile."""
+    layout, keep, epochs = frames[0]
+    tiles = tiles_of(layout, keep, keep)
+    tiles.table[EPOCH], tiles.table[ANEW] = epochs, keep
+    jobs = Jobs.of(launcher, tiles, 0, 1)
+    order, done = jobs.tiles.numpy(), []
+    for frame in jobs.frames:
+        for target, level, first, count in jobs.as_in(frame).tolist():
+            mine = order[first : first + count]
+            done += mine.tolist()
+            assert count << 2 * (layout.tile_levels[target] - level) <= 4**TILE_LEVEL
+            assert (np.searchsorted(layout.firsts - 1, mine, side="right") - 1 == target).all()
+            assert (tiles.table[ANEW, mine] == level).all()
+            assert (tiles.table[EPOCH, mine] == frame).all()
+            assert np.array_equal(jobs.kept.numpy()[first : first + count], keep[mine])
+    of_tiles = np.setdiff1d(np.flatnonzero(keep != NEVER), layout.firsts - 1)
+    assert sorted(done) == of_tiles.tolist()
