@@ -15,6 +15,9 @@ from metrics.kernels.making import MAKING
 from metrics.kernels.starting import start_warp
 
 Dim = int | tuple[int, ...]
+Kind = tuple[Any, int]
+NUMBERS = (int, float)
+ARRAYS: Any = (wp.array, np.ndarray)
 
 
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
@@ -43,7 +46,7 @@ class HostLaunch(NamedTuple):
 
     of: "Loaded"
     bounds: Any
-    arguments: ctypes.Structure
+    arguments: Any
     inputs: Sequence[Any]
 
     @property
@@ -58,9 +61,16 @@ class HostLaunch(NamedTuple):
     def with_last(self, inputs: Sequence[Any]) -> "HostLaunch":
         """The same with other inputs, Warp's arrays, in the place of the last ones."""
         arguments = type(self.arguments).from_buffer_copy(self.arguments)
-        for (name, *_), array in zip(reversed(type(arguments)._fields_), reversed(inputs), strict=False):
-            setattr(arguments, name, array.__ctype__())
-        return self._replace(arguments=arguments, inputs=[*self.inputs, *inputs])
+        first = len(self.inputs) - len(inputs)
+        for k, array in enumerate(inputs, first):
+            setattr(arguments, f"_{k}", array.__ctype__())
+        return HostLaunch(self.of, self.bounds, arguments, (*self.inputs[:first], *inputs))
+
+    def with_number(self, k: int, number: int) -> "HostLaunch":
+        """The same with another number as input k."""
+        arguments = type(self.arguments).from_buffer_copy(self.arguments)
+        setattr(arguments, f"_{k}", number)
+        return HostLaunch(self.of, self.bounds, arguments, self.inputs)
 
 
 class Loaded:
@@ -71,9 +81,9 @@ class Loaded:
         command = wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu", record_cmd=True)
         self.kernel, self.function = kernel, command.hooks.forward
         self.address: Any = ctypes.cast(self.function, ctypes.c_void_p).value
-        fields = [(f"_{k}", type(value)) for k, value in enumerate(command.params[1:])]
-        self._structure = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
-        self._inputs = [(*field, _kind(value)) for field, value in zip(fields, inputs, strict=True)]
+        self._kinds, self._forms = [_kind(value) for value in inputs], [type(value) for value in command.params[1:]]
+        fields = [(f"_{k}", form) for k, form in enumerate(self._forms)]
+        self._structure: Any = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
         # The arrays of the first launch are not held.
         command.params, command.fwd_args = command.params[:1], None
         self._command, self._bounds = command, dict[Dim, Any]()
@@ -87,26 +97,25 @@ class Loaded:
                     self._bounds[dim] = self._command.bounds
         return self._bounds[dim]
 
-    def arguments(self, inputs: Sequence[Any]) -> ctypes.Structure:
+    def arguments(self, inputs: Sequence[Any]) -> Any:
         """Inputs as the kernel takes them."""
-        arguments: ctypes.Structure = self._structure()
-        for (name, form, kind), value in zip(self._inputs, inputs, strict=True):
-            if _kind(value) != kind or (isinstance(value, np.ndarray) and not value.flags.c_contiguous):
-                raise TypeError(f"{value!r}: the kernel takes {kind} in one piece")
-            setattr(arguments, name, _formed(value, form))
-        return arguments
+        return self._structure(*[_formed(*each) for each in zip(inputs, self._kinds, self._forms, strict=True)])
 
 
 _LOADED: dict[wp.Kernel, Loaded] = {}
 
 
-def _kind(value: Any) -> tuple[Any, int] | None:
+def _kind(value: Any) -> Kind | None:
     """Type and dimensions of an array; None for what is none."""
-    return (value.dtype, value.ndim) if isinstance(value, wp.array | np.ndarray) else None
+    return (value.dtype, value.ndim) if isinstance(value, ARRAYS) else None
 
 
-def _formed(value: Any, form: Any) -> Any:
-    """A value as a field takes it."""
+def _formed(value: Any, kind: Kind | None, form: Any) -> Any:
+    """A value as a field of some form takes it. Raises TypeError for an array of another kind than the field's."""
+    if kind is None and isinstance(value, NUMBERS):
+        return value
+    if _kind(value) != kind or (isinstance(value, np.ndarray) and not value.flags.c_contiguous):
+        raise TypeError(f"{value!r}: the kernel takes {kind} in one piece")
     if isinstance(value, np.ndarray):
         place, shape, strides = value.ctypes.data, value.shape, value.strides
         return form(data=place, grad=0, ndim=value.ndim, shape=shape, strides=strides)

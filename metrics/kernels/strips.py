@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from metrics.kernels.host import Dim, HostLaunch, on_cpu
+from metrics.kernels.host import Dim, HostLaunch, host_launch, on_cpu
 from metrics.kernels.making import made_once
 
 TAKE = """
@@ -60,8 +60,10 @@ class Strips:
         """rows: of all strips. height: of each but the last. last: dim of the last one."""
         _load()
         self._first, self._rows, self._height = first, rows, height
-        self._bounds = [ctypes.addressof(bounds) for bounds in (first.bounds, first.of.bounds(last))]
         self._taken = ctypes.c_int32(0)
+        each, fewer = (ctypes.addressof(bounds) for bounds in (first.bounds, first.of.bounds(last)))
+        inputs = [first.of.address, 0, each, fewer, rows, height, ctypes.addressof(self._taken)]
+        self._take = host_launch(take_strips, 1, inputs)
 
     def __bool__(self) -> bool:
         """Whether some are left."""
@@ -73,14 +75,14 @@ class Strips:
 
     def taking(self, own: Sequence[Any]) -> "Taking":
         """What a thread starts. own: its arrays in the place of the last inputs."""
-        return Taking(self._first.with_last(own), [*self._bounds, self._rows, self._height], self._taken)
+        return Taking(self._first.with_last(own), self._take, self._taken)
 
 
 class Taking(NamedTuple):
-    """A thread's launch, on strips as long as some are left."""
+    """A thread's launch, and what takes strips for it as long as some are left."""
 
     launched: HostLaunch
-    strips: Sequence[int]
+    take: HostLaunch
     taken: ctypes.c_int32
 
     @property
@@ -90,8 +92,7 @@ class Taking(NamedTuple):
 
     def launch(self) -> None:
         """Run it in the calling thread."""
-        arguments = ctypes.addressof(self.launched.arguments)
-        on_cpu(take_strips, 1, [self.launched.of.address, arguments, *self.strips, ctypes.addressof(self.taken)])
+        self.take.with_number(1, ctypes.addressof(self.launched.arguments)).launch()
 
 
 @made_once

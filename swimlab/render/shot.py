@@ -55,7 +55,7 @@ class Shot:
 
     def at(self, frame: int) -> "Shot":
         """Another frame; the mesh and its set-up are kept where the eye stands still."""
-        return replace(self, frame=frame)
+        return self if frame == self.frame else replace(self, frame=frame)
 
     @cached_property
     def view(self) -> View:

@@ -88,7 +88,7 @@ def render_samples(
         n=n,
         own=lambda rows: [launcher.empty((rows * n, grid.width), wp.int32)],
     )
-    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(shaded.numpy().sum(dtype=np.int64)))
+    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(on_host(shaded).sum(dtype=np.int64)))
 
 
 class MomentSettings(Settings):
@@ -157,4 +157,9 @@ def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = 
 
 def to_image(picture: Any) -> Image:
     """A device picture [H, W] of 4-vectors as floats [H, W, 4]."""
-    return np.asarray(picture.numpy(), np.float32)
+    return np.asarray(on_host(picture), np.float32)
+
+
+def on_host(array: Any) -> NDArray[Any]:
+    """A device array's values, to be read: the same memory where that is the CPU's."""
+    return np.asarray(array) if array.device.is_cpu else np.asarray(array.numpy())

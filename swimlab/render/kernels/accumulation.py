@@ -18,8 +18,8 @@ wp.set_module_options({"enable_backward": False})
 def sample_with(fill: wp.Function, shade_packet: wp.Function, width: int, device: str) -> wp.Kernel:
     """The kernel that draws rows of new samples, and finds where the previous frame saw what lies at pixels' centres.
 
-    One thread a row. `samples` is the grid of the picture (see `draw_row`), `grid` that of the centres, of which
-    `nearness` and `places` are filled (see `reprojecting`). `visible` is scratch.
+    One thread a row. `origin` is that of the picture's grid (see `draw_row`), which is else `grid`, that of the
+    centres, of which `nearness` and `places` are filled (see `reprojecting`). `visible` is scratch.
     """
     texel_type = TEXELS[width]
     draw, reproject = draw_row(fill, shade_packet, width), reprojecting(device)
@@ -27,7 +27,7 @@ def sample_with(fill: wp.Function, shade_packet: wp.Function, width: int, device
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first_row: wp.int32,
-        samples: Grid,
+        origin: wp.vec2d,
         grid: Grid,
         previous: Previous,
         edges: wp.array(dtype=Edges),
@@ -44,6 +44,8 @@ def sample_with(fill: wp.Function, shade_packet: wp.Function, width: int, device
     ):
         j = first_row + wp.tid()
         row = wp.tid() % visible.shape[0]
+        samples = grid
+        samples.origin = origin
         # One sample a pixel has no error, which nothing is written to.
         shaded[j] = draw(row, j, 1, samples, edges, planes, bounds, texels, chain, sun, picture, picture, visible)
         reproject(row, j, grid, edges, planes, bounds, previous, nearness, places, visible)

@@ -7,7 +7,7 @@ that resizes each frame stands alone: it is the recursion over preroll + 1 jitte
 """
 
 from functools import cache
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 import warp as wp
@@ -22,7 +22,7 @@ from swimlab.render.kernels.history import READS
 from swimlab.render.kernels.texture_filter import anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.technique import Picture, Technique, core_of, to_image
+from swimlab.render.technique import Picture, Technique, core_of, on_host, to_image
 
 
 class TaaSettings(Settings):
@@ -40,88 +40,99 @@ class TaaSettings(Settings):
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis")
 
 
-class History(NamedTuple):
-    """What the next frame needs of a frame, on the device.
-
-    picture: [H, W], premultiplied. nearness: [H, W], 1/w at pixels' centres. shaded: [H], samples shaded for it.
-    """
-
-    frame: int
-    picture: Any
-    nearness: Any
-    shaded: Any
-
-
 class Accumulation:
     """A renderer that remembers its last frame, so that the frame after it costs one frame and not the recursion."""
 
     def __init__(self) -> None:
-        self._last: History | None = None
+        self._recursion: Recursion | None = None
+        self._frame = 0
 
     def __call__(self, shot: Shot, settings: TaaSettings) -> Picture:
         """The shot's picture; all shots of one renderer are of one sequence, under one set of settings."""
         if shot.sequence.motion.resizes:
             return still(shot, settings)
-        last = self._last
-        if last is not None and last.frame >= shot.frame:
-            last = None
-        for frame in range(-settings.preroll if last is None else last.frame + 1, shot.frame + 1):
-            last = advance(shot.at(frame), shot.sequence.view(frame - 1), frame, last, settings)
-        self._last = last
-        return Picture(to_image(last.picture), shaded=int(last.shaded.numpy().sum(dtype=np.int64)))
+        recursion, first = self._recursion, self._frame + 1
+        if recursion is None or shot.frame < first:
+            recursion, first = Recursion(shot, settings), -settings.preroll
+        self._recursion = None  # of which nothing is known if a frame fails
+        for frame in range(first, shot.frame + 1):
+            recursion.advance(shot.at(frame), shot.sequence.view(frame - 1), frame)
+        self._recursion, self._frame = recursion, shot.frame
+        return Picture(to_image(recursion.picture), shaded=recursion.shaded)
 
 
 def still(shot: Shot, settings: TaaSettings) -> Picture:
     """The recursion over one view."""
-    last, shaded = None, 0
+    recursion, shaded = Recursion(shot, settings), 0
     for step in range(-settings.preroll, 1):
-        last = advance(shot, shot.view, step, last, settings)
-        shaded += int(last.shaded.numpy().sum(dtype=np.int64))
-    return Picture(to_image(last.picture), shaded=shaded)
+        recursion.advance(shot, shot.view, step)
+        shaded += recursion.shaded
+    return Picture(to_image(recursion.picture), shaded=shaded)
 
 
-def advance(shot: Shot, before: View, step: int, last: History | None, settings: TaaSettings) -> History:
-    """One step of the recursion: a new sample of each pixel, jittered by `step`, and the history, that of `before`."""
-    launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
-    size = (view.height, view.width)
-    samples: Any = shot.grid()
-    x, y = jitters(settings.period)[step % settings.period]
-    samples.origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
-    core = core_of(shot, anisotropic_to(settings.anisotropy), BOX)
-    fresh, shaded = launcher.empty(size, wp.vec4), launcher.empty(view.height, wp.int32)
-    nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
-    launcher.over(
-        view.height,
-        sample_with(core.fill, core.shade, core.width, launcher.device),
-        (),
-        [
-            samples,
-            grid,
-            seen_from(shot, before),
-            triangles.edges,
-            triangles.planes,
-            triangles.bounds,
-            *core.arguments,
-            fresh,
-            shaded,
-            nearness,
-            places,
-        ],
-        own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
-    )
-    if last is None:
-        return History(step, fresh, nearness, shaded)
-    picture = launcher.empty(size, wp.vec4)
-    resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
-    inputs = [settings.blend, fresh, nearness, places, last.picture, last.nearness, picture]
-    launcher.over(
-        view.height,
-        resolve,
-        (),
-        inputs,
-        own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)],
-    )
-    return History(step, picture, nearness, shaded)
+class Recursion:
+    """Steps of the recursion, over frames of one size. Arrays that only the next step needs are used again.
+
+    picture: [H, W], premultiplied, on the device; each step makes a new one.
+    """
+
+    def __init__(self, shot: Shot, settings: TaaSettings) -> None:
+        launcher, size = shot.launcher, (shot.view.height, shot.view.width)
+        core = core_of(shot, anisotropic_to(settings.anisotropy), BOX)
+        self._sample = sample_with(core.fill, core.shade, core.width, launcher.device)
+        self._resolve = resolve_with(READS[settings.history], CLAMPS[settings.clamp], launcher.device)
+        self._texels, self._chain, _ = core.arguments
+        self._blend, self._jitters = settings.blend, jitters(settings.period)
+        self._fresh, self._places = launcher.empty(size, wp.vec4), launcher.empty(size, wp.vec4)
+        # 1/w at pixels' centres, of this step and of the one before.
+        self._nearness, self._nearness_before = launcher.empty(size, wp.float32), launcher.empty(size, wp.float32)
+        self._shaded = launcher.empty(shot.view.height, wp.int32)
+        self.picture: Any = None
+
+    @property
+    def shaded(self) -> int:
+        """Samples shaded for the last step."""
+        return int(on_host(self._shaded).sum(dtype=np.int64))
+
+    def advance(self, shot: Shot, before: View, step: int) -> None:
+        """One step: a new sample of each pixel, jittered by `step`, and the history, which is of `before`."""
+        launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
+        x, y = self._jitters[step % len(self._jitters)]
+        origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
+        picture = launcher.empty((view.height, view.width), wp.vec4)
+        fresh = picture if self.picture is None else self._fresh
+        resolved = [self._blend, fresh, self._nearness, self._places, self.picture, self._nearness_before, picture]
+        launcher.over(
+            view.height,
+            self._sample,
+            (),
+            [
+                origin,
+                grid,
+                seen_from(shot, before),
+                triangles.edges,
+                triangles.planes,
+                triangles.bounds,
+                self._texels,
+                self._chain,
+                shot.sun,
+                fresh,
+                self._shaded,
+                self._nearness,
+                self._places,
+            ],
+            own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
+        )
+        if self.picture is not None:
+            launcher.over(
+                view.height,
+                self._resolve,
+                (),
+                resolved,
+                own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)],
+            )
+        self.picture = picture
+        self._nearness, self._nearness_before = self._nearness_before, self._nearness
 
 
 @cache

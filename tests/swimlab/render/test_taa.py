@@ -131,14 +131,21 @@ def test_memory_changes_no_bit(shoot, render, name):
         assert kept.shaded == alone.shaded
 
 
+def test_a_picture_stays_as_it_was_handed_out(shoot, render):
+    renderer, settings = techniques()["taa"].begin(), taa.TaaSettings(preroll=0)
+    pictures = [renderer(shoot(SHIFT, frame), settings).rgba for frame in range(5)]
+    for frame, picture in enumerate(pictures):
+        assert picture.tobytes() == render(shoot(SHIFT, frame), "taa", preroll=0).rgba.tobytes()
+
+
 def test_a_frame_after_the_one_before_costs_one(shoot, monkeypatch):
-    steps, advance = [], taa.advance
+    steps, advance = [], taa.Recursion.advance
 
-    def counted(shot, before, step, *rest):
+    def counted(recursion, shot, before, step):
         steps.append(step)
-        return advance(shot, before, step, *rest)
+        advance(recursion, shot, before, step)
 
-    monkeypatch.setattr(taa, "advance", counted)
+    monkeypatch.setattr(taa.Recursion, "advance", counted)
     renderer, settings = techniques()["taa"].begin(), taa.TaaSettings(preroll=2)
     for frame in (1, 2, 4, 3):
         renderer(shoot(SHIFT, frame), settings)

@@ -152,7 +152,7 @@ def test_places_are_where_motion_leads_back_to(launcher, shoot, tolerance, name)
     core, triangles, grid = core_of(shot, anisotropic_to(16), BOX), shot.triangles, shot.grid()
     nearness, places = launcher.empty(size, wp.float32), launcher.empty(size, wp.vec4)
     picture, shaded, scratch = (launcher.empty(*of) for of in ((size, wp.vec4), (36, wp.int32), (size, wp.int32)))
-    inputs = [0, grid, grid, seen_from(shot, shot.sequence.view(1)), triangles.edges, triangles.planes]
+    inputs = [0, grid.origin, grid, seen_from(shot, shot.sequence.view(1)), triangles.edges, triangles.planes]
     inputs += [triangles.bounds, *core.arguments, picture, shaded, nearness, places, scratch]
     launcher.launch(sample_with(core.fill, core.shade, core.width, launcher.device), 36, inputs)
     hit = geometry.depth > 0
