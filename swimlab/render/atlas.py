@@ -10,7 +10,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.kernels.placing import KINDS, ROWS, TABLE, choose_levels, hold_tiles
+from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, TABLE, choose_levels, place_tiles
 from swimlab.render.kernels.texture_space import NEVER, Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.runs.record import RunError
@@ -94,6 +94,32 @@ class Tiles(NamedTuple):
         return np.flatnonzero(self.finest != NEVER)
 
 
+class Jobs(NamedTuple):
+    """Tiles to be shaded, each as in some frame, as `light_tiles` takes them (see `swimlab.render.kernels.tiles`).
+
+    oldest: the first frame that any is lit as in. ranges: of each frame from that on its first job, and the end. jobs:
+    [n, 4]. tiles, kept: on the device.
+    """
+
+    layout: Layout
+    oldest: int
+    ranges: Ints
+    jobs: Ints
+    tiles: Any
+    kept: Any
+
+    @property
+    def frames(self) -> list[int]:
+        """The frames that tiles are lit as in."""
+        first = self.ranges.tolist()
+        return [self.oldest + k for k in range(len(first) - 1) if first[k] < first[k + 1]]
+
+    def as_in(self, frame: int) -> Ints:
+        """The jobs of a frame."""
+        first = frame - self.oldest
+        return self.jobs[slice(*self.ranges[first : first + 2])]
+
+
 class Held(NamedTuple):
     """The tiles of a frame, whose blocks the pool has."""
 
@@ -119,28 +145,33 @@ class Pool:
         """Take all blocks back."""
         self._end[:], self._count[:] = MOST_TEXELS, 0
 
-    def hold(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Tiles = NOTHING.tiles) -> None:
-        """Complete the table and the atlas of tiles whose EPOCH is known; blocks of `last` are kept or given back.
+    def place(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Tiles = NOTHING.tiles) -> Jobs:
+        """Complete the table and the atlas of tiles whose EPOCH is known, and say what is to be shaded.
 
-        poses: a number of where eye and sun were in each frame from `oldest` on. Raises RunError for more texels than
-        can be addressed.
+        Blocks of `last` are kept or given back. poses: a number of where eye and sun were in each frame from `oldest`
+        on. Raises RunError for more texels than can be addressed.
         """
+        launcher, layout = self._launcher, tiles.layout
         room = int(self._count.max()) + last.layout.entries
         if room > self._free.shape[1]:
             more = np.zeros((KINDS, 2 * room - self._free.shape[1]), np.int32)
             self._free = np.concatenate([self._free, more], axis=1)
-        before, after = matched(tiles.layout, last.layout)
-        inputs = [oldest, np.array(poses, np.int32), tiles.layout.shapes, before, tiles.table]
+        before, after = matched(layout, last.layout)
+        inputs = [oldest, np.array(poses, np.int32), layout.shapes, before, tiles.table]
         inputs += [last.layout.shapes, after, last.table, self._free, self._count, self._end]
-        self._launcher.on_host(hold_tiles, inputs)
+        places = np.zeros((len(poses), len(layout.widths), LEVELS), np.int32)
+        order, kept = np.empty((2, layout.entries), np.int32)
+        jobs, ranges = np.empty((layout.entries, 4), np.int32), np.empty(len(poses) + 1, np.int32)
+        launcher.on_host(place_tiles, [*inputs, places, order, kept, jobs, ranges])
         end = int(self._end[0])
         if end >= 1 << 31:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
         if end > len(self.texels):
-            grown = self._launcher.empty(end + end // 4, wp.vec4)
+            grown = launcher.empty(end + end // 4, wp.vec4)
             wp.copy(grown, self.texels)
             self.texels = grown
-        tiles.atlas.table = self._launcher.view(tiles.table[TABLE], wp.int32)
+        tiles.atlas.table = launcher.view(tiles.table[TABLE], wp.int32)
+        return Jobs(layout, oldest, ranges, jobs, launcher.view(order, wp.int32), launcher.view(kept, wp.int32))
 
 
 def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:

@@ -45,6 +45,7 @@ class Epochs:
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
         self._whole = {frame: old for frame, old in self._whole.items() if frame in near}
         self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
+        self._window = [self._pose(frame) for frame in self._frames()]
 
     def shot(self, frame: int) -> Shot:
         """Another frame of the sequence."""
@@ -60,10 +61,7 @@ class Epochs:
     @property
     def poses(self) -> list[int]:
         """A number for each frame from the oldest on, the same where eye and sun are the same."""
-        return [pose.number for pose in self._window()]
-
-    def _window(self) -> list[Pose]:
-        return [self._pose(frame) for frame in self._frames()]
+        return [pose.number for pose in self._window]
 
     def _pose(self, frame: int) -> Pose:
         if frame not in self._poses:
@@ -77,8 +75,7 @@ class Epochs:
     def find(self, tiles: Tiles, last: Tiles) -> None:
         """Fill EPOCH of tiles. last: those of one frame ago, none where that was not rendered."""
         tiles.table[EPOCH] = self._now.frame
-        poses = self._window()
-        if self._tolerance == 0 or len({pose.number for pose in poses}) == 1:
+        if self._tolerance == 0 or len(set(self.poses)) == 1:
             return
         layout, road, launcher = tiles.layout, self._now.sequence.scene.road, self._now.launcher
         across = layout.across
@@ -94,8 +91,8 @@ class Epochs:
             self.oldest,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.array([pose.eye for pose in poses], wp.vec3d),
-            launcher.array([pose.direction for pose in poses], wp.vec3),
+            launcher.array([pose.eye for pose in self._window], wp.vec3d),
+            launcher.array([pose.direction for pose in self._window], wp.vec3),
             launcher.array(whole, wp.int32),
             road.width,
             launcher.view(np.stack([targets, first, count, row], axis=1).astype(np.int32), wp.vec4i),

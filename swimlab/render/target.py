@@ -7,10 +7,10 @@ import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Ints, Layout, Tiles
+from swimlab.render.atlas import Ints, Jobs, Layout, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, LEVELS, NEEDED, WAYS, order_jobs, part_jobs
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN, NEEDED, WAYS, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, see_and_mark
@@ -60,41 +60,6 @@ def segments_in_sight(shot: Shot) -> list[int]:
     screen = Screen.of(shot, 1)
     tiles = screen.read(screen.charts.layout(np.full(len(screen.charts.segments), 16, np.int32)))
     return [int(segment) for segment in tiles.layout.segments[tiles.in_sight]]
-
-
-class Jobs(NamedTuple):
-    """What `light_tiles` is given of some tiles, each lit as in some frame (see `swimlab.render.kernels.tiles`).
-
-    oldest: the first frame that any is lit as in. ranges: of each frame from that on its first job, and the end. jobs:
-    [n, 4]. tiles, kept: on the device.
-    """
-
-    layout: Layout
-    oldest: int
-    ranges: Ints
-    jobs: Ints
-    tiles: Any
-    kept: Any
-
-    @staticmethod
-    def of(launcher: Launcher, tiles: Tiles, oldest: int, newest: int) -> "Jobs":
-        """The jobs of all tiles that are to be shaded now, as in the frames of a range."""
-        layout, frames = tiles.layout, newest - oldest + 1
-        jobs, ranges = np.empty((layout.entries, 4), np.int32), np.empty(frames + 1, np.int32)
-        order, kept = np.empty((2, layout.entries), np.int32)
-        places = np.zeros((frames, len(layout.widths), LEVELS), np.int32)
-        launcher.on_host(order_jobs, [oldest, layout.shapes, tiles.table, places, order, kept, jobs, ranges])
-        return Jobs(layout, oldest, ranges, jobs, launcher.view(order, wp.int32), launcher.view(kept, wp.int32))
-
-    @property
-    def frames(self) -> list[int]:
-        """The frames that tiles are lit as in."""
-        return (self.oldest + np.flatnonzero(np.diff(self.ranges))).tolist()
-
-    def as_in(self, frame: int) -> Ints:
-        """The jobs of a frame."""
-        first = frame - self.oldest
-        return self.jobs[slice(*self.ranges[first : first + 2])]
 
 
 class Lighting:

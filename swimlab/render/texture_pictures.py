@@ -16,7 +16,7 @@ from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs, Lighting, Screen
+from swimlab.render.target import Lighting, Screen
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
@@ -67,8 +67,7 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     shown.table[SHADE, mine] = shown.table[KEEP, mine] = levels = tiles.table[SHADE, mine]
     shown.table[KEEP, mine.start - 1] = 0
     shown.table[EPOCH] = frame
-    pool.hold(shown, [0], frame)
-    lighting.light(Jobs.of(launcher, shown, frame, frame), shown.atlas, pool.texels)
+    lighting.light(pool.place(shown, [0], frame), shown.atlas, pool.texels)
     texels, start = pool.texels.numpy(), shown.table[START]
     across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
     out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)

@@ -102,7 +102,7 @@ def is_held(
     return same and last[KEEP, was] <= now[KEEP, entry]
 
 
-@wp.kernel
+@wp.func
 def hold_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
@@ -174,7 +174,7 @@ def hold_tiles(
             now[TABLE, entry] = start
 
 
-@wp.kernel
+@wp.func
 def order_jobs(
     oldest: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
@@ -222,6 +222,30 @@ def order_jobs(
                 places[epoch, k, level] = place + 1
                 tiles[place] = entry
                 kept[place] = table[KEEP, entry]
+
+
+@wp.kernel
+def place_tiles(
+    oldest: wp.int32,
+    poses: wp.array(dtype=wp.int32),
+    shapes: wp.array2d(dtype=wp.int32),
+    before: wp.array(dtype=wp.int32),
+    now: wp.array2d(dtype=wp.int32),
+    last_shapes: wp.array2d(dtype=wp.int32),
+    after: wp.array(dtype=wp.int32),
+    last: wp.array2d(dtype=wp.int32),
+    free: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int64),
+    places: wp.array3d(dtype=wp.int32),
+    tiles: wp.array(dtype=wp.int32),
+    kept: wp.array(dtype=wp.int32),
+    jobs: wp.array2d(dtype=wp.int32),
+    ranges: wp.array(dtype=wp.int32),
+):
+    """Hold tiles, and put what is to be shaded in order."""
+    hold_tiles(oldest, poses, shapes, before, now, last_shapes, after, last, free, count, end)
+    order_jobs(oldest, shapes, now, places, tiles, kept, jobs, ranges)
 
 
 @wp.kernel

@@ -19,7 +19,7 @@ from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs, Lighting, Screen, reduce_targets
+from swimlab.render.target import Lighting, Screen, reduce_targets
 from swimlab.render.technique import Picture, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -95,8 +95,7 @@ class Targets:
             held = NOTHING
             pool.clear()
         epochs.find(tiles, (held if held.frame == shot.frame - 1 else NOTHING).tiles)
-        pool.hold(tiles, epochs.poses, epochs.oldest, held.tiles)
-        jobs = Jobs.of(launcher, tiles, epochs.oldest, shot.frame)
+        jobs = pool.place(tiles, epochs.poses, epochs.oldest, held.tiles)
         shaded = []
         for frame in jobs.frames:
             if frame not in self._lightings:

@@ -8,7 +8,7 @@ import numpy as np
 from swimlab.render.atlas import Pool
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs, Lighting, Screen, reduce_targets
+from swimlab.render.target import Lighting, Screen, reduce_targets
 from swimlab.render.technique import Image, to_image
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.studies.page import Cell, Section, Table
@@ -69,8 +69,7 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     screen = Screen.of(shot, settings.anisotropy)
     tiles, pool, before = planned(screen, settings), Pool(launcher), shot.at(shot.frame - 1)
     tiles.table[EPOCH] = before.frame
-    pool.hold(tiles, [0], before.frame)
-    jobs = Jobs.of(launcher, tiles, before.frame, before.frame)
+    jobs = pool.place(tiles, [0], before.frame)
     Lighting(before, INPUTS[settings.inputs]).light(jobs, tiles.atlas, pool.texels)
     reduce_targets(launcher, tiles.atlas, pool.texels)
     return to_image(screen.paste(tiles.atlas, pool.texels))

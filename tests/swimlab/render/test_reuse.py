@@ -14,7 +14,6 @@ from swimlab.render.kernels.texture_space import NEVER, Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
-from swimlab.render.target import Jobs
 
 SIZE = (96, 54)
 NEEDED = {"size": 256, "texels": "needed", "inputs": "vmf"}
@@ -207,7 +206,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
     for layout, keep, epochs in frames:
         tiles = tiles_of(layout, keep, keep)
         tiles.table[EPOCH] = epochs
-        pool.hold(tiles, [7, 8], 0, last)
+        pool.place(tiles, [7, 8], 0, last)
         kept, start, anew = tiles.table[KEEP], tiles.table[START], tiles.table[ANEW]
         blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
         begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
@@ -234,8 +233,8 @@ def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
     """Jobs are of one frame, one target and one level each, and no larger than a whole tile."""
     layout, keep, epochs = frames[0]
     tiles = tiles_of(layout, keep, keep)
-    tiles.table[EPOCH], tiles.table[ANEW] = epochs, keep
-    jobs = Jobs.of(launcher, tiles, 0, 1)
+    tiles.table[EPOCH] = epochs
+    jobs = Pool(launcher).place(tiles, [0, 1], 0)
     order, done = jobs.tiles.numpy(), []
     for frame in jobs.frames:
         for target, level, first, count in jobs.as_in(frame).tolist():
