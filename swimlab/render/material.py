@@ -1,6 +1,7 @@
 """The scene's maps: made, or read from files and checked, and packed into mip chains."""
 
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ class Material:
         height, width = self._maps.albedo.shape[:2]
         return width, height
 
-    @property
+    @cached_property
     def highest_power(self) -> float:
         """The largest power of the maps."""
         return float(self._maps.gloss[..., 1].max())

@@ -13,7 +13,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from swimlab.render.atlas import Tiles, matched
+from sequences import Road
+from swimlab.render.atlas import Ints, Layout, Tiles, matched
 from swimlab.render.kernels.epochs import follow
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
@@ -77,31 +78,25 @@ class Epochs:
         tiles.table[EPOCH] = self._now.frame
         if self._tolerance == 0 or len(set(self.poses)) == 1:
             return
-        layout, road, launcher = tiles.layout, self._now.sequence.scene.road, self._now.launcher
-        across = layout.across
-        targets = np.repeat(np.arange(len(across)), across)
-        row = np.arange(len(targets)) - np.repeat(np.cumsum(across) - across, across)
-        first, count = layout.firsts[targets] + row * across[targets], across[targets]
-        before = matched(layout, last.layout)[0][targets]
-        was = np.where(before >= 0, last.layout.firsts[before] + row * count, -1) if len(last.layout.widths) else before
-        y = (layout.segments[targets] + (row + 0.5) / count) * road.segment
+        layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
+        rows, places, before = rows_of(layout, last.layout, road)
         whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
         table = launcher.view(tiles.table, wp.int32)
         inputs = [
             self.oldest,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.array([pose.eye for pose in self._window], wp.vec3d),
-            launcher.array([pose.direction for pose in self._window], wp.vec3),
-            launcher.array(whole, wp.int32),
+            launcher.view(np.array([pose.eye for pose in self._window]), wp.vec3d),
+            launcher.view(np.array([pose.direction for pose in self._window], np.float32), wp.vec3),
+            launcher.view(whole, wp.bool),
             road.width,
-            launcher.view(np.stack([targets, first, count, row], axis=1).astype(np.int32), wp.vec4i),
-            launcher.view(np.stack([y, road.height_at(y)], axis=1), wp.vec2d),
-            launcher.view(was.astype(np.int32), wp.int32),
+            launcher.view(rows, wp.vec4i),
+            launcher.view(places, wp.vec2d),
+            launcher.view(before, wp.int32),
             table,
             launcher.view(last.table, wp.int32),
         ]
-        launcher.over(len(targets), follow, (), inputs)
+        launcher.over(len(rows), follow, (), inputs)
         tiles.table[EPOCH] = table.numpy()[EPOCH]
 
     def _frames(self) -> range:
@@ -119,3 +114,17 @@ class Epochs:
             whole &= np.minimum.reduceat(mesh.facing[road], first)
             self._whole[frame] = segments[whole]
         return self._whole[frame]
+
+
+def rows_of(layout: Layout, last: Layout, road: Road) -> tuple[Ints, NDArray[np.float64], Ints]:
+    """Rows of tiles of all targets: what `follow` takes as rows, places and before."""
+    across = layout.across
+    targets = np.repeat(np.arange(len(across)), across)
+    count = across[targets]
+    row = np.arange(len(targets)) - np.repeat(np.cumsum(across) - across, across)
+    y = (layout.segments[targets] + (row + 0.5) / count) * road.segment
+    before = matched(layout, last)[0][targets]
+    known = before >= 0
+    before[known] = last.firsts[before[known]] + row[known] * count[known]
+    rows = np.stack([targets, layout.firsts[targets] + row * count, count, row], axis=1)
+    return rows.astype(np.int32), np.stack([y, road.height_at(y)], axis=1), before

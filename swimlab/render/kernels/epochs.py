@@ -23,7 +23,7 @@ def follow(
     tolerance: wp.float32,
     eyes: wp.array(dtype=wp.vec3d),
     lights: wp.array(dtype=wp.vec3),
-    whole: wp.array2d(dtype=wp.int32),
+    whole: wp.array2d(dtype=wp.bool),
     width: wp.float64,
     rows: wp.array(dtype=wp.vec4i),
     places: wp.array(dtype=wp.vec2d),
@@ -62,7 +62,7 @@ def follow(
             for frame in range(asked, frames):
                 now_half = half_at(place, eyes[frame], lights[frame])
                 change = wp.max(steepness * wp.length(now_half - was), wp.length(lights[frame] - lights[epoch]))
-                if whole[epoch, row[0]] == 0 or change > tolerance:
+                if not whole[epoch, row[0]] or change > tolerance:
                     epoch = wp.int32(frame)
                     was = now_half
             now[EPOCH, row[1] + i] = oldest + epoch
