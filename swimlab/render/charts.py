@@ -53,7 +53,7 @@ class Charts:
             mesh,
             chosen,
             segments,
-            np.stack([first, np.append(first[1:], len(chosen))], axis=1).astype(np.int32),
+            np.stack([first, np.append(first, len(chosen))[1:]], axis=1).astype(np.int32),
             np.minimum.reduceat(low, first) if some else low,
             np.maximum.reduceat(high, first) if some else high,
             np.minimum.reduceat(extent, first) if some else extent,

@@ -69,12 +69,12 @@ def choose_levels(
 
 
 @wp.func
-def kind_of(shape_width: wp.int32, tile_level: wp.int32, coarse: wp.bool, keep: wp.int32) -> wp.int32:
+def kind_of(width: wp.int32, tile_level: wp.int32, coarse: wp.bool, keep: wp.int32) -> wp.int32:
     """The kind of an entry's block."""
     if not coarse:
         return tile_level - wp.min(keep, tile_level)
     kind = wp.int32(LEVELS)
-    while (shape_width >> tile_level) >> (kind - LEVELS) > 1:
+    while (width >> tile_level) >> (kind - LEVELS) > 1:
         kind += 1
     return kind
 
