@@ -6,7 +6,7 @@ from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels import sampling
 from swimlab.render.kernels.packet import put_in
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Pages
-from swimlab.render.kernels.texture_filter import AGREES, ANISOTROPIC_PROBES, filter_of, transposed
+from swimlab.render.kernels.texture_filter import AGREES, ANISOTROPIC_PROBES, Addresses, filter_of, transposed
 
 PAGED_ADDRESSES = """
     // Of each lane's two levels: size, the block that holds a texel (see `sampling.fetch`), and what the second weighs.
@@ -34,8 +34,9 @@ PAGED_ADDRESSES = """
         most = number[k] > most ? number[k] : most;
         blended |= blend[k] > 1.0e-6f;
     }
-    // Of a probe: indices of its four texels, and how far it lies from the first to the next.
-    int at[2][4][LANES];
+    // Of a probe: where its four texels lie within their blocks, the entries of these, and how far it lies from the
+    // first texel to the next. Entries are looked up lane by lane, as vectors of loads from anywhere take longer.
+    int at[2][4][LANES], block[2][4][LANES];
     float across[2][LANES], down[2][LANES];
     auto address = [&](int o, float i) {
         #pragma clang loop vectorize(assume_safety)
@@ -48,20 +49,23 @@ PAGED_ADDRESSES = """
             const int b0 = j0 < 0 ? 0 : j0 > r ? r : j0, b1 = j1 < 0 ? 0 : j1 > r ? r : j1;
             const int side = s < 31 ? 1 << s : r + 1, mask = side - 1;
             const int upper = before[o][k] + (b0 & mask)*side, lower = before[o][k] + (b1 & mask)*side;
-            const int* __restrict above = table + entry[o][k] + (b0 >> s)*tiles;
-            const int* __restrict below = table + entry[o][k] + (b1 >> s)*tiles;
-            at[o][0][k] = above[a0 >> s] + upper + (a0 & mask); at[o][1][k] = above[a1 >> s] + upper + (a1 & mask);
-            at[o][2][k] = below[a0 >> s] + lower + (a0 & mask); at[o][3][k] = below[a1 >> s] + lower + (a1 & mask);
+            const int above = entry[o][k] + (b0 >> s)*tiles, below = entry[o][k] + (b1 >> s)*tiles;
+            block[o][0][k] = above + (a0 >> s); block[o][1][k] = above + (a1 >> s);
+            block[o][2][k] = below + (a0 >> s); block[o][3][k] = below + (a1 >> s);
+            at[o][0][k] = upper + (a0 & mask); at[o][1][k] = upper + (a1 & mask);
+            at[o][2][k] = lower + (a0 & mask); at[o][3][k] = lower + (a1 & mask);
         }
     };
 """
+
+PAGED = Addresses(PAGED_ADDRESSES, "table[block[o][which][k]] + at[o][which][k]")
 
 
 @form(cases=[(1,), (16,)], agrees=AGREES)
 def paged(most: int) -> Twins:
     """`anisotropic`, of light with alpha in a target of which only some tiles are held."""
     probes = ANISOTROPIC_PROBES.replace("MOST", f"{most}.0")
-    return filter_of(sampling.anisotropic_to(most), probes, 4, PAGED_ADDRESSES, Pages)
+    return filter_of(sampling.anisotropic_to(most), probes, 4, PAGED, Pages)
 
 
 ALIGNED = """
