@@ -7,7 +7,9 @@ pool of threads takes one after another. How it is cut never changes a bit of th
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, Self, TypeVar
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any, NamedTuple, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
 import warp as wp
@@ -31,11 +33,44 @@ FEW_ROWS = 4
 wait for another."""
 
 
+bytes_of = cache(wp.types.type_size_in_bytes)
+
+
 class Strip(NamedTuple):
     """A run of rows of a picture."""
 
     first: int
     rows: int
+
+
+@dataclass(frozen=True)
+class Scratch:
+    """Makes scratch for a kernel over rows: `rows` of `width` values for each row that is worked on at once.
+
+    What is equal is made once for each thread, and used again.
+    """
+
+    launcher: "Launcher"
+    width: int
+    dtype: Any
+    rows: int = 1
+
+    def __call__(self, at_once: int) -> Sequence[Any]:
+        """[rows * at_once, width], not set."""
+        return [self.launcher.empty((self.rows * at_once, self.width), self.dtype)]
+
+
+Own = Callable[[int], Sequence[Any]]
+"""From the rows that are worked on at once to a kernel's last inputs, for a thread alone: scratch."""
+
+
+class Cut(TypedDict, total=False):
+    """How a kernel over rows is cut into strips (see `Launcher.laid_out`)."""
+
+    each: int
+    strip: int
+    n: int
+    own: Own
 
 
 class Launcher:
@@ -50,10 +85,12 @@ class Launcher:
         self._on: Any = wp.get_device(device)
         self.threads = threads or cores()
         self._workers = Workers(self.threads)
+        self._scratch: dict[Any, list[Sequence[Any]]] = {}
 
     def close(self) -> None:
         """Let the threads go, and the memory that was kept."""
         self._workers.close()
+        self._scratch.clear()
         let_go()
 
     def __enter__(self) -> Self:
@@ -111,6 +148,12 @@ class Launcher:
         command.launch()
 
     def over(
+        self, rows: int, kernel: wp.Kernel, width: tuple[int, ...], inputs: Sequence[Any], **cut: Unpack[Cut]
+    ) -> None:
+        """Run a kernel over rows of a picture, as it is laid out."""
+        self.laid_out(rows, kernel, width, inputs, **cut)()
+
+    def laid_out(
         self,
         rows: int,
         kernel: wp.Kernel,
@@ -120,39 +163,53 @@ class Launcher:
         each: int = 1,
         strip: int = FEW_ROWS,
         n: int = 1,
-        own: Callable[[int], Sequence[Any]] = lambda _: (),
-    ) -> None:
-        """Run a kernel over rows of a picture in strips, of n x n samples a pixel; its first input is the first row.
+        own: Own = lambda _: (),
+    ) -> Callable[[], None]:
+        """What runs a kernel once over rows of a picture, in strips; the kernel's first input is the first row.
 
-        Its dim is (rows, *width), or a kernel's thread takes `each` rows, of which strips are whole multiples.
-        `own(rows)` makes the last inputs, for a thread alone: scratch of as many rows as are worked on at once. strip:
-        rows of samples of a strip.
+        Its dim is (rows, *width), or a kernel's thread takes `each` rows, of which strips are whole multiples. The
+        picture has n x n samples a pixel. strip: rows of samples of a strip.
         """
         if rows == 0:
-            return
-        if self.device != "cpu" or self.threads == 1:
-            scratch = own(1 if self.device == "cpu" else rows)
-            self.launch(kernel, (-(-rows // each), *width), [0, *inputs, *scratch])
-            return
+            return lambda: None
+        whole = (-(-rows // each), *width)
+        if self.device != "cpu":
+            return partial(self.launch, kernel, whole, [0, *inputs, *own(rows)])
         height = min(each * -(-max(1, strip // n) // each), rows)
-        last = rows - (rows - 1) // height * height
-        dims = [(-(-some // each), *width) for some in (height, last)]
-        scratch = own(1)
-        strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *scratch]), rows, height, dims[1])
+        threads = min(self.threads, -(-rows // height))
+        scratch = self._scratch.pop(own, [])  # so that no other launch takes it
+        scratch += [own(1) for _ in range(threads - len(scratch))]
+        if threads == 1:
+            run = partial(self.start, host_launch(kernel, whole, [0, *inputs, *scratch[0]]))
+        else:
+            last = rows - (rows - 1) // height * height
+            dims = [(-(-some // each), *width) for some in (height, last)]
+            strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *scratch[0]]), rows, height, dims[1])
+            # All is laid out here, as Python in a thread that helps has cold caches.
+            run = partial(self._take, strips, [strips.taking(arrays) for arrays in scratch[:threads]])
 
-        def run(thread: int) -> None:
+        def run_and_keep() -> None:
+            run()
+            if isinstance(own, Scratch):
+                self._scratch[own] = scratch
+
+        return run_and_keep
+
+    def _take(self, strips: Strips, commands: Sequence[Any]) -> None:
+        """Start each thread's command."""
+
+        def run(command: Any) -> None:
             try:
-                if strips:
-                    self.start(strips.taking(own(1) if thread else scratch))
+                self.start(command)
             except BaseException:
                 strips.drop()
                 raise
 
-        self.each(range(min(self.threads, -(-rows // height))), run)
+        self.each(commands, run)
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""
-        size = wp.types.type_size_in_bytes(dtype) * math.prod(shape if isinstance(shape, tuple) else (shape,))
+        size = bytes_of(dtype) * (math.prod(shape) if isinstance(shape, tuple) else shape)
         if self.device != "cpu" or size < LARGE:
             return wp.empty(shape, dtype=dtype, device=self._on)
         held = unset((size,), np.uint8)

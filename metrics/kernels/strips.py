@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from metrics.kernels.host import Dim, HostLaunch, host_launch, on_cpu
-from metrics.kernels.making import made_once
+from metrics.kernels.host import Dim, HostLaunch, host_launch
 
 TAKE = """
     for (;;) {
@@ -54,20 +53,18 @@ def take_strips(
 
 
 class Strips:
-    """The strips of a launch of the first one, which some threads take."""
+    """The strips of a launch of the first one, which some threads take.
+
+    Whoever starts the threads makes it, which loads the kernel: it may hold what they would wait for.
+    """
 
     def __init__(self, first: HostLaunch, rows: int, height: int, last: Dim) -> None:
         """rows: of all strips. height: of each but the last. last: dim of the last one."""
-        _load()
         self._first, self._rows, self._height = first, rows, height
         self._taken = ctypes.c_int32(0)
         each, fewer = (ctypes.addressof(bounds) for bounds in (first.bounds, first.of.bounds(last)))
         inputs = [first.of.address, 0, each, fewer, rows, height, ctypes.addressof(self._taken)]
         self._take = host_launch(take_strips, 1, inputs)
-
-    def __bool__(self) -> bool:
-        """Whether some are left."""
-        return self._taken.value * self._height < self._rows
 
     def drop(self) -> None:
         """Have no more taken, since something went wrong."""
@@ -75,11 +72,15 @@ class Strips:
 
     def taking(self, own: Sequence[Any]) -> "Taking":
         """What a thread starts. own: its arrays in the place of the last inputs."""
-        return Taking(self._first.with_last(own), self._take, self._taken)
+        launched = self._first.with_last(own)
+        return Taking(launched, self._take.with_number(1, ctypes.addressof(launched.arguments)), self._taken)
 
 
 class Taking(NamedTuple):
-    """A thread's launch, and what takes strips for it as long as some are left."""
+    """A thread's launch, on strips as long as some are left.
+
+    launched: the kernel with the thread's arguments. take: what starts it on a strip after the other.
+    """
 
     launched: HostLaunch
     take: HostLaunch
@@ -92,10 +93,4 @@ class Taking(NamedTuple):
 
     def launch(self) -> None:
         """Run it in the calling thread."""
-        self.take.with_number(1, ctypes.addressof(self.launched.arguments)).launch()
-
-
-@made_once
-def _load() -> None:
-    """Load the kernel in the thread that starts others: it may hold what they would wait for."""
-    on_cpu(take_strips, 1, [0, 0, 0, 0, 0, 1, ctypes.addressof(ctypes.c_int32(0))])
+        self.take.launch()

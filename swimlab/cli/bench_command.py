@@ -78,8 +78,8 @@ def bench_costs(
 ) -> int:
     """Time every technique and setting in turns: in kernels, beside them, and the least that the work could cost.
 
-    Then rendering and measuring on one thread and on two, for the share of them that is serial, and what of it is the
-    program's.
+    A frame is timed that follows one of the same technique, as where a sequence is rendered. Then rendering and
+    measuring on one thread and on two, for the share of them that is serial, and what of it is the program's.
 
     Parameters
     ----------

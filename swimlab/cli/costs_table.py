@@ -20,7 +20,8 @@ def print_costs(costs: Costs) -> None:
         table.add_row(*_cells(row))
     table.caption_justify = "left"
     table.caption = (
-        f"Medians of a frame, mesh and set-up included, files not, over {costs.rounds} rounds in turns. At the least: "
+        "Medians of a frame that follows one of the same technique, mesh and set-up included, files not, over "
+        f"{costs.rounds} rounds in turns. At the least: "
         f"{costs.rates.read_ns:.2f} ns a texel read, {costs.rates.shade_ns:.1f} ns an evaluation of the model."
     )
     print_whole(table)

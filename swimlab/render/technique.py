@@ -10,7 +10,7 @@ import warp as wp
 from numpy.typing import NDArray
 from pydantic import Field
 
-from metrics.kernels.launch import Strip
+from metrics.kernels.launch import Scratch, Strip
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.samples import draw_samples, shade_samples
 from swimlab.render.kernels.texture_filter import TextureFilter, anisotropic_to
@@ -86,7 +86,7 @@ def render_samples(
         (),
         given,
         n=n,
-        own=lambda rows: [launcher.empty((rows * n, grid.width), wp.int32)],
+        own=Scratch(launcher, grid.width, wp.int32, n),
     )
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(on_host(shaded).sum(dtype=np.int64)))
 

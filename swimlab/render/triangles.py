@@ -74,14 +74,19 @@ def set_up(
     points: [N, 3], homogeneous image coordinates of the mesh's vertices. A triangle without area covers nothing, nor
     does one that is not to be `drawn` ([len(chosen)]; default: all are): its place stays empty.
     """
-    count = len(chosen)
-    ready = Triangles(launcher.empty(count, Edges), launcher.empty(count, Planes), launcher.empty(count, wp.vec2d))
     inputs = [launcher.view(points, wp.vec3d), launcher.view(mesh.uv, wp.vec2d)]
     inputs += [launcher.view(mesh.positions, wp.vec3d), launcher.view(mesh.slope, wp.float64)]
     inputs += [launcher.view(mesh.triangles[chosen], wp.vec3i)]
-    inputs += [launcher.view(np.ones(count, bool) if drawn is None else drawn, wp.bool)]
-    launcher.launch(set_up_triangles, count, [*inputs, ready.edges, ready.planes, ready.bounds])
+    inputs += [launcher.view(np.ones(len(chosen), bool) if drawn is None else drawn, wp.bool)]
+    ready, command = to_set_up(launcher, len(chosen), inputs)
+    launcher.start(command)
     return ready
+
+
+def to_set_up(launcher: Launcher, count: int, inputs: Sequence[Any]) -> tuple[Triangles, Any]:
+    """So many triangles, and the launch that sets them up from the first inputs of `set_up_triangles`."""
+    ready = Triangles(launcher.empty(count, Edges), launcher.empty(count, Planes), launcher.empty(count, wp.vec2d))
+    return ready, launcher.record(set_up_triangles, count, [*inputs, ready.edges, ready.planes, ready.bounds])
 
 
 def visibility(

@@ -13,6 +13,7 @@ import numpy as np
 import warp as wp
 from pydantic import Field
 
+from metrics.kernels.launch import Scratch
 from sequences import View
 from swimlab.render.geometry import seen_from
 from swimlab.render.inputs import BOX
@@ -101,8 +102,7 @@ class Recursion:
         origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
         picture = launcher.empty((view.height, view.width), wp.vec4)
         fresh = picture if self.picture is None else self._fresh
-        resolved = [self._blend, fresh, self._nearness, self._places, self.picture, self._nearness_before, picture]
-        launcher.over(
+        sample = launcher.laid_out(
             view.height,
             self._sample,
             (),
@@ -121,16 +121,21 @@ class Recursion:
                 self._nearness,
                 self._places,
             ],
-            own=lambda rows: [launcher.empty((rows, view.width), wp.int32)],
+            own=Scratch(launcher, view.width, wp.int32),
         )
-        if self.picture is not None:
-            launcher.over(
+        if self.picture is None:
+            sample()
+        else:
+            history = [self.picture, self._nearness_before]
+            resolve = launcher.laid_out(
                 view.height,
                 self._resolve,
                 (),
-                resolved,
-                own=lambda rows: [launcher.empty((2 * rows, view.width), wp.vec4)],
+                [self._blend, fresh, self._nearness, self._places, *history, picture],
+                own=Scratch(launcher, view.width, wp.vec4, 2),
             )
+            sample()  # when all is laid out, as it empties the caches
+            resolve()
         self.picture = picture
         self._nearness, self._nearness_before = self._nearness_before, self._nearness
 

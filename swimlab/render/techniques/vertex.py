@@ -6,7 +6,7 @@ its inputs further the smaller the frame is. On `road-scale` vertex lighting is 
 of 640x360, and nearer to the reference from 113x64 on. Highlights are smeared over quads, but stick to the road.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log2
 from typing import Annotated, Any
 
@@ -15,7 +15,7 @@ import warp as wp
 from numpy.typing import NDArray
 from pydantic import Field
 
-from metrics.kernels.launch import Launcher
+from metrics.kernels.launch import Launcher, Scratch
 from metrics.kernels.making import made_once
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.raster import sample_position, see_row
@@ -26,8 +26,8 @@ from swimlab.render.kernels.structs import TEXELS, Chain, Edges, Grid, Planes, S
 from swimlab.render.mesh import Doubles, Mesh, scene_mesh
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.technique import Picture, Technique, to_image
-from swimlab.render.triangles import screen_projection, set_up
+from swimlab.render.technique import Picture, Technique, on_host, to_image
+from swimlab.render.triangles import Triangles, screen_projection, to_set_up
 
 Quads = Annotated[int, Field(ge=1, le=256)]
 
@@ -99,49 +99,59 @@ def interpolate(
 class Vertices:
     """A mesh before an eye, and what of it kernels take, on the device.
 
-    projected: [N, 3], homogeneous image px. points: the same. corners: of the triangles.
+    points: [N], homogeneous image px. drawn: [M], true: any triangle may be.
     """
 
     mesh: Mesh
-    projected: Doubles
+    points: Any
     uv: Any
     positions: Any
     slope: Any
-    points: Any
     corners: Any
+    drawn: Any
 
     @staticmethod
     def of(launcher: Launcher, mesh: Mesh, projection: Doubles) -> "Vertices":
         """The vertices under a projection (see `screen_projection`)."""
-        projected = mesh.positions @ projection.T
         return Vertices(
             mesh,
-            projected,
+            points=launcher.view(mesh.positions @ projection.T, wp.vec3d),
             uv=launcher.view(mesh.uv, wp.vec2d),
             positions=launcher.view(mesh.positions, wp.vec3d),
             slope=launcher.view(mesh.slope, wp.float64),
-            points=launcher.view(projected, wp.vec3d),
             corners=launcher.view(mesh.triangles, wp.vec3i),
+            drawn=launcher.filled(len(mesh.triangles), wp.bool, True),
         )
 
-    def colours(self, shot: Shot, lod: float) -> Doubles:
-        """Radiance at each vertex, [N, 3], linear RGB, from the maps' box chain at a level of detail."""
-        launcher, chain, count = shot.launcher, shot.material.chain(shot.inputs(BOX)), len(self.projected)
-        kernel = shade_vertices(in_local_frame(shot.model.evaluate, chain.floats), chain.floats)
-        colours = launcher.empty(count, wp.vec3d)
-        inputs = [self.uv, self.positions, self.slope, lod, chain.texels, chain.shape, shot.sun, colours]
-        launcher.launch(kernel, count, inputs)
-        return np.asarray(colours.numpy(), np.float64)
-
-    def sampled(self, launcher: Launcher, grid: Any) -> NDArray[np.int64]:
-        """The triangles, in order, that samples of a grid that is not jittered can see.
+    def sampled(self, launcher: Launcher, grid: Any) -> NDArray[np.bool_]:
+        """[M], the triangles that samples of a grid that is not jittered can see.
 
         Not those that face away, nor those that lie between the grid's rows or beyond them.
         """
         count = len(self.mesh.triangles)
         found = launcher.empty(count, wp.bool)
         launcher.launch(find_sampled, count, [self.points, self.positions, self.corners, grid, found])
-        return np.flatnonzero(found.numpy())
+        return on_host(found)
+
+    def to_shade(self, shot: Shot, lod: float) -> tuple[Any, Any]:
+        """Radiance at each vertex, [N], linear RGB, and the launch that finds it.
+
+        It is from the maps' box chain at a level of detail.
+        """
+        launcher, chain, count = shot.launcher, shot.material.chain(shot.inputs(BOX)), len(self.mesh.positions)
+        kernel = shade_vertices(in_local_frame(shot.model.evaluate, chain.floats), chain.floats)
+        colours = launcher.empty(count, wp.vec3d)
+        inputs = [self.uv, self.positions, self.slope, lod, chain.texels, chain.shape, shot.sun, colours]
+        return colours, launcher.record(kernel, count, inputs)
+
+    def to_set_up(self, launcher: Launcher, colours: Any, chosen: NDArray[np.bool_]) -> tuple[Triangles, Any]:
+        """The chosen triangles, in order, and the launch that sets them up.
+
+        Their planes carry colours in the place of positions.
+        """
+        corners = launcher.view(np.compress(chosen, self.mesh.triangles, axis=0), wp.vec3i)
+        inputs = [self.points, self.uv, colours, self.slope, corners, self.drawn]
+        return to_set_up(launcher, len(corners), inputs)
 
 
 def vertices_of(shot: Shot, quads: tuple[int, int]) -> Vertices:
@@ -161,17 +171,21 @@ def render(shot: Shot, settings: VertexSettings) -> Picture:
     """Shade the vertices with inputs filtered to their spacing, interpolate with correct perspective."""
     launcher, grid, vertices = shot.launcher, shot.grid(), vertices_of(shot, settings.quads)
     texels = max(size / quads for size, quads in zip(shot.material.size, settings.quads, strict=True))
-    colours = vertices.colours(shot, log2(texels))
-    carrier = replace(vertices.mesh, positions=colours)
-    triangles = set_up(launcher, vertices.projected, carrier, vertices.sampled(launcher, grid))
     picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
-    launcher.over(
+    chosen = vertices.sampled(launcher, grid)
+    # All is laid out before anything else runs, as kernels empty the caches.
+    colours, shade = vertices.to_shade(shot, log2(texels))
+    triangles, set_up = vertices.to_set_up(launcher, colours, chosen)
+    draw = launcher.laid_out(
         shot.view.height,
         interpolate,
         (),
         [grid, triangles.edges, triangles.planes, triangles.bounds, picture],
-        own=lambda rows: [launcher.empty((rows, grid.width), wp.int32)],
+        own=Scratch(launcher, grid.width, wp.int32),
     )
+    launcher.start(shade)
+    launcher.start(set_up)
+    draw()
     return Picture(to_image(picture), shaded=len(colours))
 
 

@@ -5,11 +5,12 @@ Cores may share memory and clock, or be two hardware threads of one core; then n
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 import warp as wp
 
-from metrics.kernels.launch import Launcher
+from metrics.kernels.launch import Launcher, Own
 from swimlab.studies.trials import Stage, Variant
 from swimlab.studies.turns import Task
 
@@ -21,7 +22,7 @@ class WholeLauncher(Launcher):
         super().__init__(threads=1)
         self.held: list[Any] = []
 
-    def over(
+    def laid_out(
         self,
         rows: int,
         kernel: wp.Kernel,
@@ -31,11 +32,11 @@ class WholeLauncher(Launcher):
         each: int = 1,
         strip: int = 0,
         n: int = 1,
-        own: Callable[[int], Sequence[Any]] = lambda _: (),
-    ) -> None:
+        own: Own = lambda _: (),
+    ) -> Callable[[], None]:
         """As the launcher does it, but in one strip."""
         self.held.append(self.record(kernel, (-(-rows // each), *width), [0, *inputs, *own(1)]))
-        self.start(self.held[-1])
+        return partial(self.start, self.held[-1])
 
 
 def parallel_tasks(stage: Stage, variant: Variant, launcher: WholeLauncher, pool: ThreadPoolExecutor) -> list[Task]:

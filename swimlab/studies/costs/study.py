@@ -28,7 +28,7 @@ STEPS = 4
 
 @dataclass(frozen=True)
 class Row:
-    """A technique under some settings: medians of a frame of it, mesh and set-up included.
+    """A technique under some settings: medians of a frame that follows one of the same, mesh and set-up included.
 
     cpu_ms: of all cores, with quartiles. wall_ms: by the clock. kernels: ms of all cores by kernel. outside_ms: what no
     kernel spent. ratio: of cpu_ms to `pixel-aniso`'s. shaded: evaluations of the model. reads: texels that must be

@@ -49,14 +49,20 @@ class Frame(NamedTuple):
 
 
 def watched_frames(stage: Stage, variant: Variant, launcher: WatchedLauncher) -> tuple[Task, list[Frame]]:
-    """Rendering one frame, the next of the sequence each turn, mesh and set-up included; and what is noted of each."""
+    """Rendering one frame in the midst of its sequence, mesh and set-up included; and what is noted of each.
+
+    A turn renders the next two frames of the sequence: one to prepare, as what took its turn before has emptied the
+    caches of all that the technique needs, and then the one that is timed and noted.
+    """
     render, noted = variant.begin(), list[Frame]()
 
     def prepare(turn: int) -> Callable[[], object]:
+        before = stage.frames[0] + 2 * turn
+        render(stage.shot(before))
         launcher.take()
 
         def run() -> None:
-            picture = render(stage.shot(stage.frames[0] + turn))
+            picture = render(stage.shot(before + 1))
             noted.append(Frame(launcher.take(), picture.shaded))
 
         return run

@@ -15,7 +15,7 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metrics.kernels.launch import Launcher
+from metrics.kernels.launch import Launcher, Scratch
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.render.geometry import describe_geometry
@@ -82,6 +82,22 @@ def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
         assert (times.numpy() == 1).all()
 
 
+def test_scratch_is_of_one_launch_at_a_time_and_is_used_again(launchers, monkeypatch):
+    made, make = [], Scratch.__call__
+    monkeypatch.setattr(Scratch, "__call__", lambda scratch, rows: made.append(rows) or make(scratch, rows))
+    for launcher in launchers:
+        times, own = launcher.zeros((300, 5), wp.int32), Scratch(launcher, 5, wp.int32)
+        for launch in [launcher.laid_out(300, count_up, (), [times], own=own) for _ in range(2)]:
+            launch()
+        assert made == [1] * 2 * launcher.threads
+        launcher.over(300, count_up, (), [times], own=Scratch(launcher, 5, wp.int32))
+        assert (times.numpy() == 3).all()
+        assert made == [1] * 2 * launcher.threads
+        launcher.over(300, count_up, (), [launcher.zeros((300, 6), wp.int32)], own=Scratch(launcher, 6, wp.int32))
+        assert len(made) == 3 * launcher.threads
+        made.clear()
+
+
 def test_one_dim_has_one_place_in_memory(launcher, monkeypatch):
     """Several threads that ask for it first are given the same bounds: their address may be noted."""
     loaded = launcher.record(count_up, (1, 1), [0, *(launcher.zeros((1, 1), wp.int32) for _ in range(2))]).of
@@ -104,7 +120,7 @@ def test_strips_may_be_the_first_that_a_thread_starts_while_it_makes_kernels():
     """Other threads wait for nothing that it holds."""
     script = """
 import warp as wp
-from metrics.kernels.launch import Launcher
+from metrics.kernels.launch import Launcher, Scratch
 from metrics.kernels.making import MAKING
 from tests_launch_kernel import count
 launcher = Launcher(threads=2)

@@ -26,12 +26,19 @@ def cut(sequence, quads):
     return scene_mesh(scene, sequence.camera)
 
 
+def colours(shot, quads, lod):
+    """Radiance at the vertices."""
+    found, shade = vertices_of(shot, quads).to_shade(shot, lod)
+    shot.launcher.start(shade)
+    return found.numpy()
+
+
 @pytest.mark.parametrize("quads", [(16, 16), (4, 32)])
 def test_a_vertex_has_the_colour_of_its_place(shoot, maps, tolerance, quads):
     """Inputs from the maps' chain at log2 of the longer edge, in texels; shaded in double precision."""
     shot, mesh = shoot(NEAR), cut(NEAR, quads)
     lod = log2(64 / min(quads))
-    found = vertices_of(shot, quads).colours(shot, lod)
+    found = colours(shot, quads, lod)
     oracle = Oracle(NEAR, maps, 0)
     texels = trilinear(oracle.chain(), mesh.uv, np.full(len(mesh.uv), lod))
     exact = oracle.shade(texels, mesh.positions)
@@ -53,7 +60,7 @@ def test_a_pixel_upon_a_vertex_has_its_colour(shoot, render, tolerance, which):
     slid = NEAR.with_changes(motion={"kind": "shift", "velocity": velocity})
     picture = render(shoot(slid, 1), "vertex", quads=quads).rgba
     shot = shoot(NEAR)
-    colour = vertices_of(shot, quads).colours(shot, log2(64 / 16))[vertex]
+    colour = colours(shot, quads, log2(64 / 16))[vertex]
     assert picture[row, column] == pytest.approx([*colour, 1.0], rel=tolerance("linear light"))
 
 
@@ -102,9 +109,9 @@ def test_triangles_that_no_sample_sees_need_not_be_set_up(launcher, shoot, name,
     mesh, grid, whole = cut(shot.sequence, cut_into), shot.grid(), Strip(0, 36)
     projection = screen_projection(shot.view.camera, 36, 64)
     vertices = Vertices.of(launcher, mesh, projection)
-    few = vertices.sampled(launcher, grid)
+    few = np.flatnonzero(vertices.sampled(launcher, grid))
     assert len(few) < len(mesh.triangles)
-    both = on_screen(launcher, mesh, projection), set_up(launcher, vertices.projected, mesh, few)
+    both = on_screen(launcher, mesh, projection), set_up(launcher, mesh.positions @ projection.T, mesh, few)
     seen, found = (visibility(launcher, each, grid, whole).numpy() for each in both)
     assert np.array_equal(seen >= 0, found >= 0)
     hit = seen >= 0

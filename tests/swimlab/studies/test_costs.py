@@ -13,7 +13,7 @@ from swimlab.render.catalogue import techniques
 from swimlab.studies.costs import study
 from swimlab.studies.costs.parallel import WholeLauncher, parallel_tasks
 from swimlab.studies.costs.serial import Rounds, Serial, own_share, serial_share, serial_study
-from swimlab.studies.costs.watched import WatchedLauncher
+from swimlab.studies.costs.watched import WatchedLauncher, watched_frames
 from swimlab.studies.costs.work import READS, Rates, Sight
 from swimlab.studies.trials import Variant
 from swimlab.studies.turns import Time
@@ -80,6 +80,26 @@ def test_kernels_are_noted_by_name_and_forgotten():
         assert "draw_samples" in noted
         assert all(ms > 0 for ms in noted.values())
         assert not launcher.take()
+
+
+@pytest.mark.parametrize("name", ["pixel-aniso", "taa"])
+def test_a_timed_frame_follows_one_of_its_own(monkeypatch, name):
+    """Frames are rendered in order, every second one is timed, and only what that one takes is noted."""
+    with WatchedLauncher(threads=2) as launcher:
+        stage = study.Stage(SMALL, [3], samples=4, launcher=launcher)
+        rendered, shot = [], stage.shot
+        monkeypatch.setattr(stage, "shot", lambda frame: rendered.append(frame) or shot(frame))
+        task, noted = watched_frames(stage, Variant(name, name), launcher)
+        for turn in range(3):
+            run = task(turn)
+            assert (rendered, len(noted)) == (list(range(3, 4 + 2 * turn)), turn)
+            assert not launcher.take()
+            run()
+            assert rendered == list(range(3, 5 + 2 * turn))
+        alone = [Variant(name, name).begin()(shot(frame)).shaded for frame in (4, 6, 8)]
+        assert [frame.shaded for frame in noted] == alone
+        kernels = {"taa": {"sample_with", "resolve_with"}, "pixel-aniso": {"draw_samples"}}[name]
+        assert all(kernels <= set(frame.kernels) for frame in noted)
 
 
 @given(share=st.floats(0, 1), one=st.floats(0.1, 1e3))
