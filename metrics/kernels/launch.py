@@ -132,7 +132,7 @@ class Launcher:
         """Start one kernel in the calling thread."""
         self.start(self.record(kernel, dim, inputs))
 
-    def on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> None:
+    def launch_on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> None:
         """Start one thread of a kernel on the host's own arrays, whatever the device."""
         self.start(host_launch(kernel, 1, inputs))
 

@@ -85,7 +85,7 @@ class Tiles(NamedTuple):
         `choose_levels` for the others."""
         table, finest = np.empty((ROWS, layout.entries), np.int32), np.empty(len(layout.widths), np.int32)
         tiles = Tiles(layout, table, finest, atlas)
-        launcher.on_host(choose_levels, [layout.shapes, coarsest, need, shading, table, finest])
+        launcher.launch_on_host(choose_levels, [layout.shapes, coarsest, need, shading, table, finest])
         return tiles
 
     @property
@@ -162,7 +162,7 @@ class Pool:
         places = np.zeros((len(poses), len(layout.widths), LEVELS), np.int32)
         order, kept = np.empty((2, layout.entries), np.int32)
         jobs, ranges = np.empty((layout.entries, 4), np.int32), np.empty(len(poses) + 1, np.int32)
-        launcher.on_host(place_tiles, [*inputs, places, order, kept, jobs, ranges])
+        launcher.launch_on_host(place_tiles, [*inputs, places, order, kept, jobs, ranges])
         end = int(self._end[0])
         if end >= 1 << 31:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")

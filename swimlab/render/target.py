@@ -16,6 +16,7 @@ from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, see_and_mark
 from swimlab.render.kernels.tiles import light_tiles, reduce_coarse
 from swimlab.render.shot import Shot
+from swimlab.render.technique import on_host
 from swimlab.render.texture import MipChain
 
 
@@ -43,7 +44,7 @@ class Screen:
         atlas = layout.on(launcher, self.charts.targets)
         inputs = [self.grid, triangles.edges, triangles.planes, triangles.bounds, self.visible, atlas, need]
         launcher.over(self.shot.view.height, kernel, (), inputs)
-        return Tiles.read(launcher, layout, atlas, need.numpy(), self.charts.coarsest(layout), shading)
+        return Tiles.read(launcher, layout, atlas, on_host(need), self.charts.coarsest(layout), shading)
 
     def paste(self, atlas: Any, texels: Any) -> Any:
         """The picture [H, W] on the device: the light is the texture."""
@@ -85,7 +86,7 @@ class Lighting:
         size = self.shot.material.size
         parted, ranges = np.empty_like(jobs), np.empty(WAYS + 1, np.int32)
         inputs = [jobs, layout.shapes, drawn.widened, max(size), size[0] == size[1], parted, ranges]
-        self.shot.launcher.on_host(part_jobs, inputs)
+        self.shot.launcher.launch_on_host(part_jobs, inputs)
         parts = {way: parted[slice(*ranges[way : way + 2])] for way in range(WAYS)}
         return [(part, self._way(way)) for way, part in parts.items() if len(part)]
 

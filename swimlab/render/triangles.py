@@ -4,6 +4,7 @@ All in double precision, before the rasteriser. The same code serves the screen,
 texture space, where they are the atlas coordinates: there is one rasteriser.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
