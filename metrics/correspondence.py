@@ -205,7 +205,9 @@ class Correspondence:
         One of them covered the other there.
         """
         motion = _field(surface)
-        if max(float(np.ptp(motion[..., axis])) for axis in range(2)) <= APART:
+        rows = motion.reshape(len(motion), -1)
+        low, high = (found.reshape(-1, 2) for found in (rows.min(axis=0), rows.max(axis=0)))
+        if float((high.max(axis=0) - low.min(axis=0)).max()) <= APART:
             return np.zeros(surface.whole.shape, dtype=bool)
         least, most = claims(self._launcher, motion, surface.whole)
         return np.asarray(((most.numpy() - least.numpy()) > APART).any(axis=2))

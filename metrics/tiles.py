@@ -128,10 +128,10 @@ class _Standing:
         if not self.where.size or self.where.all():
             return np.full(np.broadcast_shapes(y.shape, x.shape), bool(self.where.size))
         row, column = (
-            np.clip(centre - size // 2 - first, 0, length - 1)
+            np.clip(centre.ravel() - size // 2 - first, 0, length - 1)
             for centre, first, length in zip((y, x), self.first, self.where.shape, strict=True)
         )
-        return np.asarray(self.where[row, column])
+        return self.where.take(row, axis=0).take(column, axis=1)
 
 
 def _standing(shape: tuple[int, int], steps: NDArray[np.intp], mask: Callable[[int], Mask | None]) -> list[_Standing]:
@@ -158,9 +158,11 @@ def _standing(shape: tuple[int, int], steps: NDArray[np.intp], mask: Callable[[i
 def _lattice(allowed: Mask, hop: int) -> NDArray[np.intp]:
     """Allowed places [n, 2] (y, x) of the lattice with this hop that has most of them, the central one at a tie."""
     height, width = allowed.shape
-    padded = np.zeros((-(-height // hop) * hop, -(-width // hop) * hop))
+    padded = np.zeros((-(-height // hop) * hop, -(-width // hop) * hop), np.uint8)
     padded[:height, :width] = allowed
-    found = padded.reshape(len(padded) // hop, hop, -1, hop).sum(axis=(0, 2))
+    # Down first, over rows as they lie.
+    found = padded.reshape(len(padded) // hop, -1).sum(axis=0, dtype=np.uint16)
+    found = found.reshape(hop, -1, hop).sum(axis=1, dtype=np.intp)
     off = [np.abs(np.arange(hop) - (length - 1) % hop / 2) / hop for length in (height, width)]
     y, x = np.unravel_index(np.argmax(found - (off[0][:, None] + off[1][None, :]) / 4), found.shape)
     places = np.argwhere(allowed[y::hop, x::hop])
