@@ -7,7 +7,6 @@ pool of threads takes one after another. How it is cut never changes a bit of th
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, NamedTuple, Self, TypedDict, TypeVar, Unpack
 
@@ -18,7 +17,7 @@ from metrics.kernels.host import Dim, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.starting import start_warp
 from metrics.kernels.strips import Strips
-from metrics.kernels.workers import Workers
+from metrics.kernels.workers import Task, Workers
 from metrics.machine import cores
 from metrics.memory import LARGE, let_go, unset
 
@@ -43,25 +42,19 @@ class Strip(NamedTuple):
     rows: int
 
 
-@dataclass(frozen=True)
-class Scratch:
-    """Makes scratch for a kernel over rows: `rows` of `width` values for each row that is worked on at once.
+class Scratch(NamedTuple):
+    """Scratch of a kernel over rows: `rows` of `width` values for each row that is worked on at once, not set."""
 
-    What is equal is made once for each thread, and used again.
-    """
-
-    launcher: "Launcher"
     width: int
     dtype: Any
     rows: int = 1
 
-    def __call__(self, at_once: int) -> Sequence[Any]:
-        """[rows * at_once, width], not set."""
-        return [self.launcher.empty((self.rows * at_once, self.width), self.dtype)]
 
+MOST_SCRATCH = 16
+"""Kinds of scratch that a launcher holds, to be used again."""
 
-Own = Callable[[int], Sequence[Any]]
-"""From the rows that are worked on at once to a kernel's last inputs, for a thread alone: scratch."""
+Own = Scratch | Callable[[int], Sequence[Any]]
+"""A kernel's last inputs, for a thread alone, or what makes them for the rows that are worked on at once."""
 
 
 class Cut(TypedDict, total=False):
@@ -111,8 +104,10 @@ class Launcher:
                     return
                 body(item)
 
-        tasks = [self._workers.start(work) for _ in range(min(self.threads, len(waiting)) - 1)]
+        tasks: list[Task] = []
         try:
+            for _ in range(min(self.threads, len(waiting)) - 1):
+                tasks.append(self._workers.start(work))
             work()
             errors = [task.end() for task in tasks]  # a thread that has not begun by now finds nothing left
         except BaseException:
@@ -120,8 +115,9 @@ class Launcher:
             for task in tasks:
                 task.end()
             raise
-        for error in filter(None, errors):
-            raise error
+        for error in errors:
+            if error is not None:
+                raise error
 
     def strips(self, rows: int, n: int = 1) -> Sequence[Strip]:
         """Cut a picture with n x n samples a pixel into strips: one on a GPU, where a launch is parallel by itself."""
@@ -165,20 +161,20 @@ class Launcher:
         n: int = 1,
         own: Own = lambda _: (),
     ) -> Callable[[], None]:
-        """What runs a kernel once over rows of a picture, in strips; the kernel's first input is the first row.
+        """What runs a kernel over rows of a picture, in strips; the kernel's first input is the first row.
 
-        Its dim is (rows, *width), or a kernel's thread takes `each` rows, of which strips are whole multiples. The
-        picture has n x n samples a pixel. strip: rows of samples of a strip.
+        It is called once. The kernel's dim is (rows, *width), or a thread of it takes `each` rows, of which strips are
+        whole multiples. The picture has n x n samples a pixel. strip: rows of samples of a strip.
         """
         if rows == 0:
             return lambda: None
         whole = (-(-rows // each), *width)
         if self.device != "cpu":
-            return partial(self.launch, kernel, whole, [0, *inputs, *own(rows)])
+            return partial(self.launch, kernel, whole, [0, *inputs, *self._made(own, rows)])
         height = min(each * -(-max(1, strip // n) // each), rows)
         threads = min(self.threads, -(-rows // height))
         scratch = self._scratch.pop(own, [])  # so that no other launch takes it
-        scratch += [own(1) for _ in range(threads - len(scratch))]
+        scratch += [self._made(own, 1) for _ in range(threads - len(scratch))]
         if threads == 1:
             run = partial(self.start, host_launch(kernel, whole, [0, *inputs, *scratch[0]]))
         else:
@@ -191,9 +187,17 @@ class Launcher:
         def run_and_keep() -> None:
             run()
             if isinstance(own, Scratch):
+                if len(self._scratch) == MOST_SCRATCH:
+                    self._scratch.clear()
                 self._scratch[own] = scratch
 
         return run_and_keep
+
+    def _made(self, own: Own, at_once: int) -> Sequence[Any]:
+        """A thread's own inputs."""
+        if isinstance(own, Scratch):
+            return [self.empty((own.rows * at_once, own.width), own.dtype)]
+        return own(at_once)
 
     def _take(self, strips: Strips, commands: Sequence[Any]) -> None:
         """Start each thread's command."""

@@ -13,30 +13,30 @@ class Task:
     """Work that a thread does once, unless it is called off before one has begun."""
 
     def __init__(self, work: Callable[[], None]) -> None:
-        self._work = work
+        self._work: Callable[[], None] | None = work
         self._error: BaseException | None = None
         self._begun, self._unfinished = Lock(), Lock()
         self._unfinished.acquire()
 
     def run(self) -> None:
         """Do it, if it is not called off."""
-        if self._begun.acquire(blocking=False):
+        work = self._work
+        if work is not None and self._begun.acquire(blocking=False):
             try:
-                self._work()
+                work()
             except BaseException as error:
                 self._error = error
-            self._end()
+            self._work = None
+        # Also of what is called off: Ctrl-C may have cut that short, and who calls it off again waits here.
+        self._unfinished.release()
 
     def end(self) -> BaseException | None:
         """Call it off, or wait until it is done; the error that it ended with."""
         if self._begun.acquire(blocking=False):
-            self._end()
+            self._work = None  # and what it holds: the task may lie in the queue for some time yet
+            return None
         with self._unfinished:
             return self._error
-
-    def _end(self) -> None:
-        del self._work  # and what it holds: the task may lie in the queue for some time yet
-        self._unfinished.release()
 
 
 class Workers:
@@ -48,10 +48,16 @@ class Workers:
         self.close = finalize(self, _dismiss, self._tasks, count)
 
     def start(self, work: Callable[[], None]) -> Task:
-        """Have some thread do it as soon as one is free."""
+        """Have some thread do it as soon as one is free. Raises RuntimeError once this is closed."""
+        if not self.close.alive:
+            raise RuntimeError("closed: its threads have ended")
         if self._started.acquire(blocking=False):
-            for _ in range(self._count):
-                Thread(target=_serve, args=(self._tasks,), name="swimlab", daemon=True).start()
+            try:
+                for _ in range(self._count):
+                    Thread(target=_serve, args=(self._tasks,), name="swimlab", daemon=True).start()
+            except BaseException:
+                self._started.release()
+                raise
         task = Task(work)
         self._tasks.put(task)
         return task

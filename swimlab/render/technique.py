@@ -86,7 +86,7 @@ def render_samples(
         (),
         given,
         n=n,
-        own=Scratch(launcher, grid.width, wp.int32, n),
+        own=Scratch(grid.width, wp.int32, n),
     )
     return Picture(to_image(picture), to_image(error) if n > 1 else None, int(on_host(shaded).sum(dtype=np.int64)))
 

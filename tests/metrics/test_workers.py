@@ -90,7 +90,32 @@ def test_threads_end_when_they_are_closed_or_forgotten(closes):
     assert threads_after(make) == set()
 
 
-def test_after_closing_who_asks_does_all_alone():
+def test_after_closing_nobody_can_be_asked():
     workers = Workers(1)
     workers.close()
-    assert workers.start(lambda: None).end() is None
+    with pytest.raises(RuntimeError, match="closed"):
+        workers.start(lambda: None)
+
+
+def test_threads_that_could_not_start_are_tried_again(monkeypatch):
+    workers, start = Workers(1), threading.Thread.start
+
+    def fail(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", fail)
+    with pytest.raises(RuntimeError, match="can't start"):
+        workers.start(lambda: None)
+    monkeypatch.setattr(threading.Thread, "start", start)
+    begun = Event()
+    task = workers.start(begun.set)
+    assert begun.wait(60)
+    assert task.end() is None
+    workers.close()
+
+
+def test_calling_off_may_be_cut_short_and_done_again(workers):
+    """As by Ctrl-C between two of its steps: the second time it ends too."""
+    task = workers.start(Event().set)
+    task._begun.acquire(blocking=False)
+    assert task.end() is None

@@ -121,7 +121,7 @@ class Recursion:
                 self._nearness,
                 self._places,
             ],
-            own=Scratch(launcher, view.width, wp.int32),
+            own=Scratch(view.width, wp.int32),
         )
         if self.picture is None:
             sample()
@@ -132,7 +132,7 @@ class Recursion:
                 self._resolve,
                 (),
                 [self._blend, fresh, self._nearness, self._places, *history, picture],
-                own=Scratch(launcher, view.width, wp.vec4, 2),
+                own=Scratch(view.width, wp.vec4, 2),
             )
             sample()  # when all is laid out, as it empties the caches
             resolve()

@@ -181,7 +181,7 @@ def render(shot: Shot, settings: VertexSettings) -> Picture:
         interpolate,
         (),
         [grid, triangles.edges, triangles.planes, triangles.bounds, picture],
-        own=Scratch(launcher, grid.width, wp.int32),
+        own=Scratch(grid.width, wp.int32),
     )
     launcher.start(shade)
     launcher.start(set_up)

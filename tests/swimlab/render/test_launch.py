@@ -1,5 +1,6 @@
 """The launcher: threads never change a bit, and the kernel cache falls back."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metrics.kernels.launch import Launcher, Scratch
+from metrics.kernels.launch import MOST_SCRATCH, Launcher, Scratch
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.render.geometry import describe_geometry
@@ -83,19 +84,52 @@ def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
 
 
 def test_scratch_is_of_one_launch_at_a_time_and_is_used_again(launchers, monkeypatch):
-    made, make = [], Scratch.__call__
-    monkeypatch.setattr(Scratch, "__call__", lambda scratch, rows: made.append(rows) or make(scratch, rows))
+    made, make = [], Launcher.empty
+    monkeypatch.setattr(Launcher, "empty", lambda self, shape, dtype: made.append(shape) or make(self, shape, dtype))
     for launcher in launchers:
-        times, own = launcher.zeros((300, 5), wp.int32), Scratch(launcher, 5, wp.int32)
+        times, own = launcher.zeros((300, 5), wp.int32), Scratch(5, wp.int32)
         for launch in [launcher.laid_out(300, count_up, (), [times], own=own) for _ in range(2)]:
             launch()
-        assert made == [1] * 2 * launcher.threads
-        launcher.over(300, count_up, (), [times], own=Scratch(launcher, 5, wp.int32))
+        assert made.count((1, 5)) == 2 * launcher.threads
+        launcher.over(300, count_up, (), [times], own=Scratch(5, wp.int32))
         assert (times.numpy() == 3).all()
-        assert made == [1] * 2 * launcher.threads
-        launcher.over(300, count_up, (), [launcher.zeros((300, 6), wp.int32)], own=Scratch(launcher, 6, wp.int32))
-        assert len(made) == 3 * launcher.threads
+        assert made.count((1, 5)) == 2 * launcher.threads
+        launcher.over(300, count_up, (), [launcher.zeros((300, 6), wp.int32)], own=Scratch(6, wp.int32))
+        assert made.count((1, 6)) == launcher.threads
         made.clear()
+
+
+def test_little_scratch_is_held_however_many_sizes_there_are():
+    with Launcher(threads=2) as launcher:
+        for width in range(1, 3 * MOST_SCRATCH):
+            times = launcher.zeros((8, width), wp.int32)
+            launcher.over(8, count_up, (), [times], own=Scratch(width, wp.int32))
+            assert (times.numpy() == 1).all()
+            assert len(launcher._scratch) <= MOST_SCRATCH
+
+
+def test_a_launcher_that_is_forgotten_ends_its_threads_at_once():
+    """Nothing that it holds holds it."""
+    gc.disable()
+    try:
+        before = threading.active_count()
+        launcher = Launcher(threads=3)
+        launcher.over(300, count_up, (), [launcher.zeros((300, 5), wp.int32)], own=Scratch(5, wp.int32))
+        started = [thread for thread in threading.enumerate() if thread.name == "swimlab"]
+        assert threading.active_count() == before + 3
+        del launcher
+        for thread in started[-3:]:
+            thread.join(60)
+        assert threading.active_count() == before
+    finally:
+        gc.enable()
+
+
+def test_a_launcher_that_is_closed_says_so():
+    launcher = Launcher(threads=2)
+    launcher.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        launcher.each(range(2), lambda _: None)
 
 
 def test_one_dim_has_one_place_in_memory(launcher, monkeypatch):
@@ -120,7 +154,7 @@ def test_strips_may_be_the_first_that_a_thread_starts_while_it_makes_kernels():
     """Other threads wait for nothing that it holds."""
     script = """
 import warp as wp
-from metrics.kernels.launch import Launcher, Scratch
+from metrics.kernels.launch import Launcher
 from metrics.kernels.making import MAKING
 from tests_launch_kernel import count
 launcher = Launcher(threads=2)
