@@ -170,11 +170,11 @@ class Launcher:
             return lambda: None
         whole = (-(-rows // each), *width)
         if self.device != "cpu":
-            return partial(self.launch, kernel, whole, [0, *inputs, *self._made(own, rows)])
+            return partial(self.launch, kernel, whole, [0, *inputs, *self.made(own, rows)])
         height = min(each * -(-max(1, strip // n) // each), rows)
         threads = min(self.threads, -(-rows // height))
         scratch = self._scratch.pop(own, [])  # so that no other launch takes it
-        scratch += [self._made(own, 1) for _ in range(threads - len(scratch))]
+        scratch += [self.made(own, 1) for _ in range(threads - len(scratch))]
         if threads == 1:
             run = partial(self.start, host_launch(kernel, whole, [0, *inputs, *scratch[0]]))
         else:
@@ -193,8 +193,8 @@ class Launcher:
 
         return run_and_keep
 
-    def _made(self, own: Own, at_once: int) -> Sequence[Any]:
-        """A thread's own inputs."""
+    def made(self, own: Own, at_once: int) -> Sequence[Any]:
+        """A thread's own inputs, for some rows that are worked on at once."""
         if isinstance(own, Scratch):
             return [self.empty((own.rows * at_once, own.width), own.dtype)]
         return own(at_once)

@@ -87,9 +87,9 @@ class Road:
 
     def visible_segments(self, frame: int) -> list[int]:
         """Segments of the road that some pixel's centre sees, nearest first."""
-        from swimlab.render.target import segments_in_sight
+        from swimlab.render.target import Screen
 
-        return segments_in_sight(self.shot(frame))
+        return [int(segment) for segment in Screen.of(self.shot(frame), 16).segments]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, TABLE, choose_levels, place_tiles
-from swimlab.render.kernels.texture_space import NEVER, Atlas
+from swimlab.render.kernels.texture_space import Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.runs.record import RunError
 
 Ints = NDArray[np.int32]
+
+MOST_ADDRESSED = 1 << 31
+"""Texels that kernels can tell apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +62,11 @@ class Layout:
         first = int(self.firsts[target])
         return slice(first, first + int(self.across[target]) ** 2)
 
-    def on(self, launcher: Launcher, targets: Any) -> Any:
-        """The Atlas that kernels take, without its table. targets: of each triangle, on the device."""
+    def on(self, launcher: Launcher, charts: Any, targets: Any) -> Any:
+        """The Atlas that kernels take, without its table. charts, targets: of triangles and charts, on the device."""
         atlas: Any = Atlas()
         atlas.shapes = launcher.view(self.shapes, wp.vec4i)
-        atlas.targets = targets
+        atlas.charts, atlas.targets = charts, targets
         return atlas
 
 
@@ -71,7 +74,7 @@ class Tiles(NamedTuple):
     """What is known of the tiles of a frame.
 
     table: [ROWS, entries] (see `swimlab.render.kernels.placing`). finest: [n], the finest level that is read of each
-    target, NEVER where it is not in sight. atlas: as kernels take them.
+    target. atlas: as kernels take them.
     """
 
     layout: Layout
@@ -87,11 +90,6 @@ class Tiles(NamedTuple):
         tiles = Tiles(layout, table, finest, atlas)
         launcher.launch_on_host(choose_levels, [layout.shapes, coarsest, need, shading, table, finest])
         return tiles
-
-    @property
-    def in_sight(self) -> NDArray[np.int64]:
-        """The targets of which something is read."""
-        return np.flatnonzero(self.finest != NEVER)
 
 
 class Jobs(NamedTuple):
@@ -128,7 +126,8 @@ class Held(NamedTuple):
 
 
 _NO_TARGETS = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
-NOTHING = Held(0, Tiles(_NO_TARGETS, np.zeros((ROWS, 0), np.int32), np.zeros(0, np.int32), None))
+NO_TILES = Tiles(_NO_TARGETS, np.zeros((ROWS, 0), np.int32), np.zeros(0, np.int32), None)
+NOTHING = Held(0, NO_TILES)
 
 
 class Pool:
@@ -141,17 +140,15 @@ class Pool:
         self._end = np.full(1, MOST_TEXELS, np.int64)
         self._free, self._count = np.empty((KINDS, 0), np.int32), np.zeros(KINDS, np.int32)
 
-    def clear(self) -> None:
-        """Take all blocks back."""
-        self._end[:], self._count[:] = MOST_TEXELS, 0
-
-    def place(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Tiles = NOTHING.tiles) -> Jobs:
+    def place(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Tiles = NO_TILES) -> Jobs:
         """Complete the table and the atlas of tiles whose EPOCH is known, and say what is to be shaded.
 
-        Blocks of `last` are kept or given back. poses: a number of where eye and sun were in each frame from `oldest`
-        on. Raises RunError for more texels than can be addressed.
+        last: tiles that hold blocks, all that do; they are kept or given back. poses: a number of where eye and sun
+        were in each frame from `oldest` on. Raises RunError for more texels than can be addressed.
         """
         launcher, layout = self._launcher, tiles.layout
+        if last is NO_TILES:
+            self._end[:], self._count[:] = MOST_TEXELS, 0
         room = int(self._count.max()) + last.layout.entries
         if room > self._free.shape[1]:
             more = np.zeros((KINDS, 2 * room - self._free.shape[1]), np.int32)
@@ -164,7 +161,7 @@ class Pool:
         jobs, ranges = np.empty((layout.entries, 4), np.int32), np.empty(len(poses) + 1, np.int32)
         launcher.launch_on_host(place_tiles, [*inputs, places, order, kept, jobs, ranges])
         end = int(self._end[0])
-        if end >= 1 << 31:
+        if end >= MOST_ADDRESSED:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
         if end > len(self.texels):
             grown = launcher.empty(end + end // 4, wp.vec4)

@@ -21,9 +21,9 @@ class Charts:
     Triangles that face away are left out (Sloan & Baker, Drawing polygons on the backside).
 
     chosen: the mesh's triangles that are left, chart by chart. segments: [n], numbers of the charts, rising. ranges:
-    [n, 2], of each chart the first of its triangles among these and one past the last. low, high: [n, 2], its extent in
-    uv. narrowest: [n], the least extent in u or v of its triangles. targets: on the device, the chart of each triangle
-    of the mesh, or -1.
+    [n, 2], of each chart the first of its triangles among these and one past the last. low, high: [n, 2], its extent
+    in uv. narrowest: [n], the least extent in u or v of its triangles. owners: on the device, the chart of each
+    triangle of the mesh, or -1.
     """
 
     launcher: Launcher
@@ -34,7 +34,7 @@ class Charts:
     low: Doubles
     high: Doubles
     narrowest: Doubles
-    targets: Any
+    owners: Any
     _kept: Kept = field(default_factory=Kept, repr=False)
 
     @staticmethod
@@ -42,8 +42,8 @@ class Charts:
         """All charts of a mesh."""
         chosen = np.flatnonzero(mesh.facing)
         segments, first, owners = np.unique(mesh.segments[chosen], return_index=True, return_inverse=True)
-        targets = np.full(len(mesh.segments), -1, np.int32)
-        targets[chosen] = owners
+        of_all = np.full(len(mesh.segments), -1, np.int32)
+        of_all[chosen] = owners
         corners = mesh.uv[mesh.triangles[chosen]]
         low, high = corners.min(axis=1), corners.max(axis=1)
         extent = np.min(high - low, axis=1)
@@ -57,23 +57,11 @@ class Charts:
             np.minimum.reduceat(low, first) if some else low,
             np.maximum.reduceat(high, first) if some else high,
             np.minimum.reduceat(extent, first) if some else extent,
-            launcher.view(targets, wp.int32),
+            launcher.view(of_all, wp.int32),
         )
 
-    def layout(self, widths: Ints) -> Layout:
-        """Targets of so many texels a side, [n]."""
-        return self._kept.get("layout", widths.tobytes(), lambda: Layout(self.segments, widths))
-
-    def coarsest(self, layout: Layout) -> Ints:
-        """The coarsest level of each target at which no texel is larger than a triangle, which it may miss, [n]."""
-        texels = self.narrowest * layout.widths
-        return np.asarray(np.maximum(np.frexp(texels)[1] - 1, 0), np.int32)
-
     def drawn(self, layout: Layout) -> "Drawn":
-        """The charts in the targets of a layout, which may be of other charts."""
-        return self._kept.get("drawn", layout, lambda: self._draw(layout))
-
-    def _draw(self, layout: Layout) -> "Drawn":
+        """The charts in the targets of a layout, which may be of other charts too."""
         place = placed(layout.segments, self.segments)
         has, place = place >= 0, np.maximum(place, 0)
         ranges, widened = np.zeros((len(place), 2), np.int32), np.zeros(len(place), bool)

@@ -5,15 +5,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Ints, Jobs, Layout, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, NEEDED, WAYS, part_jobs
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
-from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, see_and_mark
+from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with, see_charts
 from swimlab.render.kernels.tiles import light_tiles, reduce_coarse
 from swimlab.render.shot import Shot
 from swimlab.render.technique import on_host
@@ -22,29 +23,50 @@ from swimlab.render.texture import MipChain
 
 @dataclass(frozen=True)
 class Screen:
-    """The pixels of a shot, and which triangle each sees: `visible`, [H, W] on the device."""
+    """Which pixel sees which chart.
+
+    visible: [H, W] on the device, the triangle seen by each pixel. shown: [n], places among the charts of those in
+    sight. targets: on the device, the place among `shown` of each chart, or -1.
+    """
 
     shot: Shot
     charts: Charts
     anisotropy: int
     grid: Any
     visible: Any
+    shown: NDArray[np.int64]
+    targets: Any
 
     @staticmethod
     def of(shot: Shot, anisotropy: int) -> "Screen":
-        """A screen on which nothing is seen yet."""
-        visible = shot.launcher.empty((shot.view.height, shot.view.width), wp.int32)
-        return Screen(shot, charts_of(shot), anisotropy, shot.grid(), visible)
+        """Rasterise the screen once."""
+        launcher, height, width = shot.launcher, shot.view.height, shot.view.width
+        charts, triangles, grid = charts_of(shot), shot.triangles, shot.grid()
+        visible, seen = launcher.empty((height, width), wp.int32), launcher.zeros(len(charts.segments), wp.int32)
+        inputs = [grid, triangles.edges, triangles.planes, triangles.bounds, charts.owners, visible, seen]
+        launcher.over(height, see_charts, (), inputs)
+        shown = np.flatnonzero(on_host(seen))
+        targets = np.full(len(charts.segments), -1, np.int32)
+        targets[shown] = np.arange(len(shown))
+        return Screen(shot, charts, anisotropy, grid, visible, shown, launcher.view(targets, wp.int32))
 
-    def read(self, layout: Layout, shading: int = NEEDED) -> Tiles:
-        """Rasterise the screen, and find what is read of each tile, and which are shaded (see `choose_levels`)."""
-        launcher, triangles = self.shot.launcher, self.shot.triangles
+    @property
+    def segments(self) -> NDArray[np.int64]:
+        """Numbers of the charts in sight, rising."""
+        return self.charts.segments[self.shown]
+
+    def read(self, widths: Ints, shading: int) -> Tiles:
+        """What pasting reads of each tile, and which are shaded (see `choose_levels`). widths: of targets, texels."""
+        launcher, shot, layout = self.shot.launcher, self.shot, Layout(self.segments, widths)
         need = launcher.filled(layout.entries, wp.int32, NEVER)
-        kernel = see_and_mark(marking(self.anisotropy).on(launcher.device))
-        atlas = layout.on(launcher, self.charts.targets)
-        inputs = [self.grid, triangles.edges, triangles.planes, triangles.bounds, self.visible, atlas, need]
-        launcher.over(self.shot.view.height, kernel, (), inputs)
-        return Tiles.read(launcher, layout, atlas, on_host(need), self.charts.coarsest(layout), shading)
+        atlas = layout.on(launcher, self.charts.owners, self.targets)
+        kernel = mark_with(marking(self.anisotropy).on(launcher.device))
+        inputs = [self.grid, self.visible, shot.triangles.planes, atlas, need]
+        launcher.over(shot.view.height, kernel, (), inputs)
+        # Texels larger than a triangle may miss it, so they are shaded at a finer level and reduced.
+        texels = self.charts.narrowest[self.shown] * widths
+        coarsest = np.maximum(np.frexp(texels)[1] - 1, 0).astype(np.int32)
+        return Tiles.read(launcher, layout, atlas, on_host(need), coarsest, shading)
 
     def paste(self, atlas: Any, texels: Any) -> Any:
         """The picture [H, W] on the device: the light is the texture."""
@@ -54,13 +76,6 @@ class Screen:
         inputs = [self.grid, self.visible, shot.triangles.planes, atlas, texels, shot.sun, picture]
         launcher.over(shot.view.height, kernel, (), inputs)
         return picture
-
-
-def segments_in_sight(shot: Shot) -> list[int]:
-    """The charts that some pixel's centre sees."""
-    screen = Screen.of(shot, 1)
-    tiles = screen.read(screen.charts.layout(np.full(len(screen.charts.segments), 16, np.int32)))
-    return [int(segment) for segment in tiles.layout.segments[tiles.in_sight]]
 
 
 class Lighting:

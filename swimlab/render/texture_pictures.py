@@ -47,9 +47,9 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     lightings = [Lighting(shot, inputs) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []
-    for target in tiles.in_sight:
+    for target, segment in enumerate(tiles.layout.segments):
         light, bumps = (picture_of(target, tiles, lighting) for lighting in lightings)
-        path = folder / f"{tiles.layout.segments[target]:04d}.exr"
+        path = folder / f"{segment:04d}.exr"
         write_channels(path, light, COLOUR, half=False, metadata=metadata)
         both = np.concatenate([bumps[::-1, :, :3], light[::-1, :, :3]], axis=1)
         codes = np.rint(255 * np.sqrt(np.clip(both, 0, 1))).astype(np.uint8)

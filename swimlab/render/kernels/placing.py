@@ -16,7 +16,7 @@ its block in the pool. TABLE: what kernels take (see Pages). ANEW: the level to 
 ROWS = 7
 
 NEEDED, VISIBLE, ALL = range(3)
-"""What is shaded: tiles that are read, at the level they are read at; these at level 0; all of targets in sight."""
+"""What is shaded: tiles that are read, at the level they are read at; these at level 0; all."""
 
 LEVELS = TILE_LEVEL + 1
 """Levels of a tile."""
@@ -42,28 +42,23 @@ def choose_levels(
 ):
     """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
 
-    shapes: as in Atlas. Nothing is kept coarser than `coarsest` of its target. Of coarse levels all are kept where
-    something of the target is read.
+    shapes: as in Atlas. Nothing is kept coarser than `coarsest` of its target. Of coarse levels all are kept.
     """
     for k in range(shapes.shape[0]):
         first = shapes[k, 3]
         across = shapes[k, 0] >> shapes[k, 2]
-        last = first + across * across
         least = wp.int32(NEVER)
-        for entry in range(first, last):
+        for entry in range(first, first + across * across):
             keep = need[entry]
             if keep != NEVER:
                 keep = wp.min(keep, coarsest[k])
             least = wp.min(least, keep)
             shade = keep
-            if keep != NEVER and shading != NEEDED:
+            if shading == ALL or (shading == VISIBLE and keep != NEVER):
                 shade = wp.int32(0)
             table[KEEP, entry] = keep
             table[SHADE, entry] = shade
-        if shading == ALL and least != NEVER:
-            for entry in range(first, last):
-                table[SHADE, entry] = 0
-        table[KEEP, first - 1] = wp.where(least == NEVER, wp.int32(NEVER), wp.int32(0))
+        table[KEEP, first - 1] = 0
         table[SHADE, first - 1] = NEVER
         finest[k] = least
 
@@ -95,9 +90,9 @@ def is_held(
     was: wp.int32,
     coarse: wp.bool,
 ) -> wp.bool:
-    """Whether what was held of an entry is what is wanted of it now."""
+    """Whether what was held of an entry, if anything, will do for what is wanted of it now."""
     if coarse:
-        return last[KEEP, was] == now[KEEP, entry]
+        return True
     same = last[SHADE, was] == now[SHADE, entry] and last[POSE, was] == now[POSE, entry]
     return same and last[KEEP, was] <= now[KEEP, entry]
 

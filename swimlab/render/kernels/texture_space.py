@@ -27,11 +27,12 @@ wp.set_module_options({"enable_backward": False})
 class Atlas:
     """All targets of a frame: of each its texels a side, levels, `tile_level` and `first`; and `table`, as in Pages.
 
-    targets: the target of each triangle of the scene, -1 where it is not in sight.
+    charts: the chart of each triangle of the scene. targets: the target of each chart, -1 where it is not in sight.
     """
 
     shapes: wp.array(dtype=wp.vec4i)
     table: wp.array(dtype=wp.int32)
+    charts: wp.array(dtype=wp.int32)
     targets: wp.array(dtype=wp.int32)
 
 
@@ -82,16 +83,15 @@ PROBES
     const int tile_level = pages.tile_level, tiles = pages.width >> tile_level, full = pages.width;
     const float coarsest = (float)(pages.levels - 1);
     int* __restrict wanted = need.data + pages.first;
-    int level[2][LANES], key[LANES], before[2][LANES], probes = 1, blended = 0;
+    int level[2][LANES], key[LANES], before[2][LANES], both[LANES], probes = 1, blended = 0;
     #pragma clang loop vectorize(assume_safety)
     for (int k = 0; k < count; ++k) {
         const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
         level[0][k] = (int)l;
-        const int both = l - (float)level[0][k] > 1.0e-6f;
-        level[1][k] = level[0][k] + both;
-        before[0][k] = -1; before[1][k] = both ? -1 : -2;
+        both[k] = l - (float)level[0][k] > 1.0e-6f;
+        level[1][k] = level[0][k] + both[k];
         probes = number[k] > probes ? number[k] : probes;
-        blended |= both;
+        blended |= both[k];
     }
     // The tiles that a sample touches, first and last column and row, in one number.
     for (int i = 0; i < probes; ++i) for (int o = 0; o <= blended; ++o) {
@@ -109,7 +109,7 @@ PROBES
         }
         int done = 0, done_level = -1;
         for (int k = 0; k < count; ++k) {
-            if (i >= number[k] || before[o][k] == -2 || (i > 0 && key[k] == before[o][k])) continue;
+            if (i >= number[k] || (o > 0 && !both[k]) || (i > 0 && key[k] == before[o][k])) continue;
             before[o][k] = key[k];
             const int finest = level[o][k] < tile_level ? level[o][k] : tile_level;
             if (key[k] == done && finest == done_level) continue;
@@ -172,12 +172,33 @@ def unpremultiplication() -> Twins:
     return Twins(divide, UNPREMULTIPLY, 4)
 
 
+@wp.kernel(enable_backward=False)
+def see_charts(
+    first_row: wp.int32,
+    grid: Grid,
+    edges: wp.array(dtype=Edges),
+    planes: wp.array(dtype=Planes),
+    bounds: wp.array(dtype=wp.vec2d),
+    charts: wp.array(dtype=wp.int32),
+    visible: wp.array2d(dtype=wp.int32),
+    seen: wp.array(dtype=wp.int32),
+):
+    """Fill rows of a visibility buffer, one thread a row; `seen`, 0 before, gets 1 for each chart in them."""
+    j = first_row + wp.tid()
+    see_row(j, j, grid, edges, planes, bounds, visible)
+    x = wp.int32(0)
+    while x < grid.width:
+        if visible[j, x] >= 0:
+            seen[charts[visible[j, x]]] = 1
+        x = packet_end(visible, j, x, grid.width)
+
+
 LIGHT_LANES = LANES * rows_of(4)
 
 
 @made_once
-def see_and_mark(mark: wp.Function) -> wp.Kernel:
-    """The kernel that fills rows of a visibility buffer and notes all texels that pasting them reads, one thread a row.
+def mark_with(mark: wp.Function) -> wp.Kernel:
+    """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
 
     need: of each tile the finest level that is read, NEVER before.
     """
@@ -187,15 +208,12 @@ def see_and_mark(mark: wp.Function) -> wp.Kernel:
     def kernel(
         first_row: wp.int32,
         grid: Grid,
-        edges: wp.array(dtype=Edges),
-        planes: wp.array(dtype=Planes),
-        bounds: wp.array(dtype=wp.vec2d),
         visible: wp.array2d(dtype=wp.int32),
+        planes: wp.array(dtype=Planes),
         atlas: Atlas,
         need: wp.array(dtype=wp.int32),
     ):
         j = first_row + wp.tid()
-        see_row(j, j, grid, edges, planes, bounds, visible)
         lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
         places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         x = wp.int32(0)
@@ -204,7 +222,7 @@ def see_and_mark(mark: wp.Function) -> wp.Kernel:
             stop = packet_end(visible, j, x, grid.width)
             if triangle >= 0:
                 locate(planes[triangle], grid, x, j, stop - x, places, lanes)
-                mark(pages_of(atlas, atlas.targets[triangle]), places, stop - x, need)
+                mark(pages_of(atlas, atlas.targets[atlas.charts[triangle]]), places, stop - x, need)
             x = stop
 
     return kernel
@@ -237,7 +255,7 @@ def paste_with(fill: wp.Function) -> wp.Kernel:
             stop = packet_end(visible, j, x, grid.width)
             if triangle >= 0:
                 locate(planes[triangle], grid, x, j, stop - x, places, lanes)
-                fill(texels, pages_of(atlas, atlas.targets[triangle]), places, stop - x, lanes)
+                fill(texels, pages_of(atlas, atlas.targets[atlas.charts[triangle]]), places, stop - x, lanes)
                 unpremultiply(lanes, sun)
                 gather(lanes, x, stop - x, 1, 0, j, picture, picture)
             x = stop

@@ -339,10 +339,10 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
 
 @wp.kernel
 def reduce_coarse(first_target: wp.int32, atlas: Atlas, held: wp.array(dtype=wp.vec4)):
-    """Fill the levels of a target at which a texel is more than a tile, one thread a target; 0: nothing is held."""
+    """Fill the levels of a target at which a texel is more than a tile, one thread a target."""
     pages = pages_of(atlas, first_target + wp.tid())
     upper = wp.int32(pages.table[pages.first - 1])
-    side = wp.where(upper == 0, wp.int32(0), pages.width >> pages.tile_level)
+    side = wp.int32(pages.width >> pages.tile_level)
     while side > 1:
         upper = halve_square(held, upper, side)
         side = side / 2

@@ -12,10 +12,9 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, field_validator
 
-from swimlab.render.atlas import NOTHING, Held, Pool, Tiles
+from swimlab.render.atlas import NO_TILES, NOTHING, Held, Pool, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
-from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
@@ -59,14 +58,11 @@ class TslSettings(Settings):
 
 def planned(screen: Screen, settings: TslSettings) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    shading = SHADING[settings.texels]
-    sizes = np.full(len(screen.charts.segments), settings.size, np.int32)
-    tiles = screen.read(screen.charts.layout(sizes), shading)
+    shading, sizes = SHADING[settings.texels], np.full(len(screen.shown), settings.size, np.int32)
+    tiles = screen.read(sizes, shading)
     if settings.sizes == "fixed":
         return tiles
-    fitted = np.maximum(16, settings.size >> np.clip(tiles.finest + settings.coarser, 0, 16))
-    widths = np.where(tiles.finest == NEVER, settings.size, fitted).astype(np.int32)
-    return screen.read(screen.charts.layout(widths), shading)
+    return screen.read(np.maximum(16, sizes >> np.clip(tiles.finest + settings.coarser, 0, 16)), shading)
 
 
 class Targets:
@@ -81,20 +77,18 @@ class Targets:
     def __call__(self, shot: Shot, settings: TslSettings) -> Picture:
         """The shot's picture; all shots of one renderer are of one sequence, under one set of settings."""
         screen, inputs, launcher = Screen.of(shot, settings.anisotropy), INPUTS[settings.inputs], shot.launcher
-        tiles = planned(screen, settings)
-        if len(tiles.in_sight) == 0:
+        if len(screen.shown) == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
+        tiles = planned(screen, settings)
         pool = self._pool = self._pool or Pool(launcher)
         epochs = self._epochs = self._epochs or Epochs(settings.reuse, settings.tolerance)
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
         self._lightings[shot.frame] = Lighting(shot, inputs)
-        held = self._held
-        if settings.reuse == 1:
-            held = NOTHING
-            pool.clear()
-        epochs.find(tiles, (held if held.frame == shot.frame - 1 else NOTHING).tiles)
+        # Until this frame is done nothing is known of what is held.
+        held, self._held = self._held if settings.reuse > 1 else NOTHING, NOTHING
+        epochs.find(tiles, held.tiles if held.frame == shot.frame - 1 else NO_TILES)
         jobs = pool.place(tiles, epochs.poses, epochs.oldest, held.tiles)
         shaded = []
         for frame in jobs.frames:

@@ -35,7 +35,7 @@ class WholeLauncher(Launcher):
         own: Own = lambda _: (),
     ) -> Callable[[], None]:
         """As the launcher does it, but in one strip."""
-        self.held.append(self.record(kernel, (-(-rows // each), *width), [0, *inputs, *own(1)]))
+        self.held.append(self.record(kernel, (-(-rows // each), *width), [0, *inputs, *self.made(own, 1)]))
         return partial(self.start, self.held[-1])
 
 

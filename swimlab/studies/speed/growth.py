@@ -9,7 +9,7 @@ import numpy as np
 from metrics.kernels.launch import Launcher
 from sequences import Sequence as Scenery
 from swimlab.render.material import Material
-from swimlab.render.target import segments_in_sight
+from swimlab.render.target import Screen
 from swimlab.report.charts import Axis, Line, line_chart
 from swimlab.studies.page import Cell, Section, Table
 from swimlab.studies.panels import Panel, panels
@@ -127,7 +127,7 @@ def _pixels(stage: Stage) -> float:
 
 
 def _segments(stage: Stage) -> float:
-    return float(len(segments_in_sight(stage.shot(0))))
+    return float(len(Screen.of(stage.shot(0), 1).shown))
 
 
 TITLES = {

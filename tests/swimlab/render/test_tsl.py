@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
+import warp as wp
 from oracle import Oracle
 from pydantic import ValidationError
 
 from sequences import load
-from swimlab.render.target import segments_in_sight
+from swimlab.render.kernels.packet import PLACES
+from swimlab.render.kernels.texture_space import NEVER, Atlas, marking, pages_of
+from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.target import Screen
 from swimlab.render.techniques import tsl
 
 SHORT = load("road-shift").with_changes(
@@ -91,10 +95,51 @@ def test_only_segments_in_sight_are_lit(shoot, render, maps):
     oracle = Oracle(sequence, maps, 0)
     hit, _, uv, _, _ = oracle.surface(*oracle.centres())
     seen = np.unique(np.floor(uv[..., 1][hit])).tolist()
-    assert segments_in_sight(shoot(sequence)) == seen
+    assert Screen.of(shoot(sequence), 1).segments.tolist() == seen
     assert len(seen) < 4
     whole = 16 * 16 * len(seen)
     assert 0.5 * whole < render(shoot(sequence), "tsl", size=16).shaded <= whole
+
+
+def test_road_out_of_sight_costs_nothing(shoot):
+    """However many charts lie ahead, those that no pixel's centre sees have no target."""
+    tables = []
+    for length in (300.0, 30000.0):
+        sequence = SHORT.with_changes(scene={"road": {"length": length}}, camera={"pitch": -30.0})
+        shot = shoot(sequence)
+        tiles = tsl.planned(Screen.of(shot, 16), tsl.TslSettings(size=256))
+        assert len(np.unique(shot.mesh.segments)) > length / 8
+        tables.append(tiles.table.shape)
+    assert tables[0] == tables[1]
+    assert tables[0][1] < 10 * 65
+
+
+def test_all_tiles_of_the_largest_target_are_told_apart(launcher):
+    """Down to its last rows and columns, of which both forms note the same tiles."""
+    size, tiles, px = 8192, 256, 1 / 8192
+    shape = launcher.array(np.array([[size, 14, TILE_LEVEL, 1]], np.int32), wp.vec4i)
+    found = []
+    for form in (marking(16).native, marking(16).plain):
+        rng = np.random.default_rng(3)
+
+        @wp.kernel(module="unique", enable_backward=False)
+        def kernel(atlas: Atlas, places: wp.array2d(dtype=wp.float64), need: wp.array(dtype=wp.int32)):
+            form(pages_of(atlas, 0), places[wp.tid()], 1, need)  # noqa: B023
+
+        atlas = Atlas()
+        atlas.shapes, atlas.table = shape, launcher.zeros(1, wp.int32)
+        places = np.zeros((200, 6, PLACES // 6))
+        # Long footprints at level 0, whose first probe lies at the border between the last tiles.
+        across, down = px * rng.uniform([20, -60], [60, -20], (200, 2)).T
+        places[:, 0, 0] = 255 / 256 + px * rng.uniform(-1, 1, 200) + across * 15 / 32
+        places[:, 1, 0] = 1 - px * rng.uniform(0, 32, 200) + down * 15 / 32
+        places[:, 2, 0], places[:, 3, 0] = across, down
+        places[:, 4, 0], places[:, 5, 0] = 0.5 * px, 0.5 * px
+        need = launcher.filled(1 + tiles**2, wp.int32, NEVER)
+        launcher.launch(kernel, 200, [atlas, launcher.array(places.reshape(200, PLACES), wp.float64), need])
+        found.append(need.numpy())
+    assert np.array_equal(*found)
+    assert (found[0] != NEVER).sum() >= 4
 
 
 @pytest.mark.parametrize("size", [16, 32, 256, 1024])
