@@ -3,6 +3,7 @@
 The standard library's pool takes several times as long: it has futures, which wake whoever waits for any of several.
 """
 
+from collections import deque
 from collections.abc import Callable
 from queue import SimpleQueue
 from threading import Lock, Thread
@@ -40,33 +41,39 @@ class Task:
 
 
 class Workers:
-    """Some threads. They start when they are first needed, and end when this is closed or goes."""
+    """Some threads at most. Each starts when it is needed, and they end when this is closed or goes."""
 
     def __init__(self, count: int) -> None:
-        self._count, self._started = count, Lock()
+        self._count, self._started, self._starting = count, 0, Lock()
         self._tasks = SimpleQueue[Task | None]()
+        self._idle: deque[None] = deque()
         self.close = finalize(self, _dismiss, self._tasks, count)
 
     def start(self, work: Callable[[], None]) -> Task:
         """Have some thread do it as soon as one is free. Raises RuntimeError once this is closed."""
         if not self.close.alive:
             raise RuntimeError("closed: its threads have ended")
-        if self._started.acquire(blocking=False):
-            try:
-                for _ in range(self._count):
-                    Thread(target=_serve, args=(self._tasks,), name="swimlab", daemon=True).start()
-            except BaseException:
-                self._started.release()
-                raise
         task = Task(work)
         self._tasks.put(task)
+        try:
+            self._idle.pop()
+        except IndexError:
+            self._add()
         return task
 
+    def _add(self) -> None:
+        """Start another thread, if there are not enough."""
+        with self._starting:
+            if self._started < self._count:
+                Thread(target=_serve, args=(self._tasks, self._idle), name="swimlab", daemon=True).start()
+                self._started += 1
 
-def _serve(tasks: "SimpleQueue[Task | None]") -> None:
+
+def _serve(tasks: "SimpleQueue[Task | None]", idle: deque[None]) -> None:
     while (task := tasks.get()) is not None:
         task.run()
         del task  # what it holds is not to wait for the next one
+        idle.append(None)
 
 
 def _dismiss(tasks: "SimpleQueue[Task | None]", count: int) -> None:

@@ -2,6 +2,7 @@
 
 import gc
 import threading
+import time
 from threading import Barrier, Event
 
 import pytest
@@ -80,7 +81,10 @@ def test_threads_end_when_they_are_closed_or_forgotten(closes):
         before = ours()
         workers = Workers(3)
         assert ours() == before  # none before there is work
-        workers.start(lambda: None).end()
+        met = Barrier(4)
+        tasks = [workers.start(met.wait) for _ in range(3)]
+        met.wait(60)
+        assert [task.end() for task in tasks] == [None] * 3
         started = [thread for thread in ours() if thread not in before]
         assert len(started) == 3
         if closes:
@@ -88,6 +92,18 @@ def test_threads_end_when_they_are_closed_or_forgotten(closes):
         return started
 
     assert threads_after(make) == set()
+
+
+def test_no_more_threads_start_than_are_needed(workers):
+    before, done = ours(), Event()
+    for _ in range(20):
+        done.clear()
+        task = workers.start(done.set)
+        assert done.wait(60)
+        task.end()
+        while not workers._idle:
+            time.sleep(0.001)
+    assert len([thread for thread in ours() if thread not in before]) == 1
 
 
 def test_after_closing_nobody_can_be_asked():
