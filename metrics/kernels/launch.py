@@ -33,6 +33,7 @@ wait for another."""
 
 
 bytes_of = cache(wp.types.type_size_in_bytes)
+"""Bytes of a value of some type."""
 
 
 class Strip(NamedTuple):

@@ -79,7 +79,8 @@ class Strips:
 class Taking(NamedTuple):
     """A thread's launch, on strips as long as some are left.
 
-    launched: the kernel with the thread's arguments. take: what starts it on a strip after the other.
+    launched: the kernel with the thread's arguments. take: what starts it on a strip after the other. taken: how many
+    were, by all threads; its memory is held here.
     """
 
     launched: HostLaunch

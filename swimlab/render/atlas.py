@@ -32,9 +32,14 @@ class Layout:
     widths: Ints
 
     @cached_property
+    def levels(self) -> Ints:
+        """Levels of each target."""
+        return np.frexp(self.widths)[1]
+
+    @cached_property
     def tile_levels(self) -> Ints:
         """The level of each target at which one texel covers one tile."""
-        return np.asarray(np.minimum(np.frexp(self.widths)[1] - 1, TILE_LEVEL), np.int32)
+        return np.minimum(self.levels - 1, np.int32(TILE_LEVEL))
 
     @cached_property
     def across(self) -> Ints:
@@ -54,8 +59,7 @@ class Layout:
     @cached_property
     def shapes(self) -> Ints:
         """[n, 4], as kernels take them (see Atlas)."""
-        levels = np.frexp(self.widths)[1]
-        return np.stack([self.widths, levels, self.tile_levels, self.firsts], axis=1).astype(np.int32)
+        return np.stack([self.widths, self.levels, self.tile_levels, self.firsts], axis=1).astype(np.int32)
 
     def of(self, target: int) -> slice:
         """The entries of a target's tiles."""

@@ -42,7 +42,7 @@ class Epochs:
     def look(self, shot: Shot) -> None:
         """Make `shot` the present, and forget frames that are too old to matter."""
         self._now = shot
-        near = range(shot.frame - self._reuse + 1, shot.frame)
+        near = range(self.oldest, shot.frame)
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
         self._whole = {frame: old for frame, old in self._whole.items() if frame in near}
         self._poses = {frame: old for frame, old in self._poses.items() if frame in near}

@@ -88,7 +88,7 @@ def render_samples(
         n=n,
         own=Scratch(grid.width, wp.int32, n),
     )
-    return Picture(to_image(picture), to_image(error) if n > 1 else None, int(on_host(shaded).sum(dtype=np.int64)))
+    return Picture(to_image(picture), to_image(error) if n > 1 else None, total(shaded))
 
 
 class MomentSettings(Settings):
@@ -158,6 +158,11 @@ def shading(shot: Shot, texture_filter: TextureFilter, n: int, inputs: Inputs = 
 def to_image(picture: Any) -> Image:
     """A device picture [H, W] of 4-vectors as floats [H, W, 4]."""
     return np.asarray(on_host(picture), np.float32)
+
+
+def total(counts: Any) -> int:
+    """The sum of counts on the device."""
+    return int(on_host(counts).sum(dtype=np.int64))
 
 
 def on_host(array: Any) -> NDArray[Any]:

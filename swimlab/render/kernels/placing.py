@@ -31,6 +31,13 @@ WAYS = 3
 wp.set_module_options({"enable_backward": False})
 
 
+@wp.func
+def tiles_of(shapes: wp.array2d(dtype=wp.int32), target: wp.int32) -> wp.int32:
+    """How many tiles a target has."""
+    across = shapes[target, 0] >> shapes[target, 2]
+    return across * across
+
+
 @wp.kernel
 def choose_levels(
     shapes: wp.array2d(dtype=wp.int32),
@@ -46,9 +53,8 @@ def choose_levels(
     """
     for k in range(shapes.shape[0]):
         first = shapes[k, 3]
-        across = shapes[k, 0] >> shapes[k, 2]
         least = wp.int32(NEVER)
-        for entry in range(first, first + across * across):
+        for entry in range(first, first + tiles_of(shapes, k)):
             keep = need[entry]
             if keep != NEVER:
                 keep = wp.min(keep, coarsest[k])
@@ -118,13 +124,11 @@ def hold_tiles(
     nobody ever had.
     """
     for k in range(shapes.shape[0]):
-        across = shapes[k, 0] >> shapes[k, 2]
-        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + across * across):
+        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + tiles_of(shapes, k)):
             now[POSE, entry] = poses[now[EPOCH, entry] - oldest]
     for j in range(last_shapes.shape[0]):
-        across = last_shapes[j, 0] >> last_shapes[j, 2]
         k = after[j]
-        for i in range(-1, across * across):
+        for i in range(-1, tiles_of(last_shapes, j)):
             was = last_shapes[j, 3] + i
             if last[KEEP, was] != NEVER:
                 lost = k < 0
@@ -136,10 +140,9 @@ def hold_tiles(
                     count[kind] += 1
     for k in range(shapes.shape[0]):
         tile_level = shapes[k, 2]
-        across = shapes[k, 0] >> tile_level
         whole = 1 << (2 * tile_level)
         j = before[k]
-        for i in range(-1, across * across):
+        for i in range(-1, tiles_of(shapes, k)):
             entry = shapes[k, 3] + i
             keep = now[KEEP, entry]
             anew = now[SHADE, entry]
@@ -185,8 +188,7 @@ def order_jobs(
     places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs + 1], the first job of each epoch.
     """
     for k in range(shapes.shape[0]):
-        across = shapes[k, 0] >> shapes[k, 2]
-        for entry in range(shapes[k, 3], shapes[k, 3] + across * across):
+        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_of(shapes, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 places[table[EPOCH, entry] - oldest, k, level] += 1
@@ -208,8 +210,7 @@ def order_jobs(
                     placed += together
     ranges[places.shape[0]] = found
     for k in range(shapes.shape[0]):
-        across = shapes[k, 0] >> shapes[k, 2]
-        for entry in range(shapes[k, 3], shapes[k, 3] + across * across):
+        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_of(shapes, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 epoch = table[EPOCH, entry] - oldest

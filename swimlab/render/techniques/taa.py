@@ -23,7 +23,7 @@ from swimlab.render.kernels.history import READS
 from swimlab.render.kernels.texture_filter import anisotropic_to
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.technique import Picture, Technique, core_of, on_host, to_image
+from swimlab.render.technique import Picture, Technique, core_of, to_image, total
 
 
 class TaaSettings(Settings):
@@ -93,7 +93,7 @@ class Recursion:
     @property
     def shaded(self) -> int:
         """Samples shaded for the last step."""
-        return int(on_host(self._shaded).sum(dtype=np.int64))
+        return total(self._shaded)
 
     def advance(self, shot: Shot, before: View, step: int) -> None:
         """One step: a new sample of each pixel, jittered by `step`, and the history, which is of `before`."""

@@ -19,7 +19,7 @@ from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.target import Lighting, Screen, reduce_targets
-from swimlab.render.technique import Picture, Technique, on_host, to_image
+from swimlab.render.technique import Picture, Technique, to_image, total
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
 INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
@@ -98,7 +98,7 @@ class Targets:
         reduce_targets(launcher, tiles.atlas, pool.texels)
         self._held = Held(shot.frame, tiles)
         picture = to_image(screen.paste(tiles.atlas, pool.texels))
-        return Picture(picture, shaded=sum(int(on_host(each).sum(dtype=np.int64)) for each in shaded))
+        return Picture(picture, shaded=sum(map(total, shaded)))
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:
