@@ -15,6 +15,7 @@ import warp as wp
 
 from metrics.kernels.host import Dim, host_launch
 from metrics.kernels.making import MAKING
+from metrics.kernels.shared import Shared
 from metrics.kernels.starting import start_warp
 from metrics.kernels.strips import Strips
 from metrics.kernels.workers import Task, Workers
@@ -130,7 +131,8 @@ class Launcher:
         self.start(self.record(kernel, dim, inputs))
 
     def launch_on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> None:
-        """Start one thread of a kernel on the host's own arrays, whatever the device."""
+        """Start one thread of a kernel on the host's own arrays, whatever the device, and on what it shares."""
+        inputs = [value.on_host if isinstance(value, Shared) else value for value in inputs]
         self.start(host_launch(kernel, 1, inputs))
 
     def record(self, kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> Any:
@@ -238,6 +240,10 @@ class Launcher:
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
         return wp.array(values, dtype=dtype, device=self._on)
+
+    def shared(self, shape: tuple[int, ...], dtype: Any) -> Shared:
+        """An array that the host and the device both work on, not set."""
+        return Shared(shape, dtype, self._on)
 
     def view(self, values: Any, dtype: Any) -> Any:
         """Values on the device, to be read: the same memory where that is the CPU's, and they are contiguous."""

@@ -8,7 +8,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Ints, Layout, placed
+from swimlab.render.layout import Ints, Layout, placed
 from swimlab.render.mesh import Doubles, Mesh
 from swimlab.render.shot import Kept, Shot
 from swimlab.render.triangles import Triangles, set_up
@@ -61,7 +61,10 @@ class Charts:
         )
 
     def drawn(self, layout: Layout) -> "Drawn":
-        """The charts in the targets of a layout, which may be of other charts too."""
+        """The charts in the targets of a layout, which may be of other charts too; kept while that is the same."""
+        return self._kept.get("drawn", layout, lambda: self._drawn(layout))
+
+    def _drawn(self, layout: Layout) -> "Drawn":
         place = placed(layout.segments, self.segments)
         has, place = place >= 0, np.maximum(place, 0)
         ranges, widened = np.zeros((len(place), 2), np.int32), np.zeros(len(place), bool)

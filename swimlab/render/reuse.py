@@ -14,9 +14,10 @@ import warp as wp
 from numpy.typing import NDArray
 
 from sequences import Road
-from swimlab.render.atlas import Ints, Layout, Tiles, matched
+from swimlab.render.atlas import Held, Tiles
 from swimlab.render.kernels.epochs import follow
 from swimlab.render.kernels.placing import EPOCH
+from swimlab.render.layout import Ints, Layout, matched
 from swimlab.render.shot import Shot
 
 
@@ -67,21 +68,26 @@ class Epochs:
     def _pose(self, frame: int) -> Pose:
         if frame not in self._poses:
             shot = self.shot(frame)
-            light = shot.sequence.sun(frame)
-            eye = shot.view.camera.eye(shot.sequence.scene.road)
-            content = tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
-            self._poses[frame] = Pose(*content, self._numbers.setdefault(content, len(self._numbers)))
+            light, camera = shot.sequence.sun(frame), shot.view.camera
+
+            def content() -> tuple[tuple[float, ...], tuple[float, ...], float]:
+                eye = camera.eye(shot.sequence.scene.road)
+                return tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
+
+            pose = shot.kept("pose", (shot.sequence.scene, camera, light), content)
+            self._poses[frame] = Pose(*pose, self._numbers.setdefault(pose, len(self._numbers)))
         return self._poses[frame]
 
-    def find(self, tiles: Tiles, last: Tiles) -> None:
-        """Fill EPOCH of tiles. last: those of one frame ago, none where that was not rendered."""
-        tiles.table[EPOCH] = self._now.frame
+    def find(self, tiles: Tiles, last: Held) -> None:
+        """Fill EPOCH of tiles. last: those of one frame ago, NOTHING where that was not rendered."""
+        tiles.table.host[EPOCH] = self._now.frame
         if self._tolerance == 0 or len(set(self.poses)) == 1:
             return
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows, places, before = rows_of(layout, last.layout, road)
         whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
-        table = launcher.view(tiles.table, wp.int32)
+        for table in (tiles.table, last.table):
+            table.send()
         inputs = [
             self.oldest,
             sqrt(self._now.material.highest_power / e),
@@ -93,11 +99,11 @@ class Epochs:
             launcher.view(rows, wp.vec4i),
             launcher.view(places, wp.vec2d),
             launcher.view(before, wp.int32),
-            table,
-            launcher.view(last.table, wp.int32),
+            tiles.table.device,
+            last.table.device,
         ]
         launcher.over(len(rows), follow, (), inputs)
-        tiles.table[EPOCH] = table.numpy()[EPOCH]
+        tiles.table.fetch()
 
     def _frames(self) -> range:
         return range(self.oldest, self._now.frame + 1)

@@ -1,125 +1,151 @@
 """Targets of texture-space lighting: a segment of the road drawn with atlas coordinates as positions, and lit."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
-from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Ints, Jobs, Layout, Tiles
-from swimlab.render.charts import Charts, Drawn, charts_of
+from swimlab.render.atlas import Jobs, Tiles
+from swimlab.render.charts import Charts, charts_of
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with, see_charts
 from swimlab.render.kernels.tiles import light_tiles, reduce_coarse
+from swimlab.render.layout import placed
 from swimlab.render.shot import Shot
-from swimlab.render.technique import on_host
 from swimlab.render.texture import MipChain
 
+MOST_TARGETS = 3
+"""How many targets there are at most for each in sight: far charts come and go from frame to frame."""
 
-@dataclass(frozen=True)
+
 class Screen:
-    """Which pixel sees which chart.
+    """Which pixel sees which chart, frame after frame; its arrays serve all frames with as many pixels and charts.
 
-    visible: [H, W] on the device, the triangle seen by each pixel. shown: [n], places among the charts of those in
-    sight. targets: on the device, the place among `shown` of each chart, or -1.
+    shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. shown: places
+    among the charts of those in sight. segments: [n], numbers of the charts that have a target, rising: those in sight,
+    and some that were. narrowest: [n] (see `choose_levels`).
     """
 
-    shot: Shot
-    charts: Charts
-    anisotropy: int
-    grid: Any
-    visible: Any
-    shown: NDArray[np.int64]
-    targets: Any
+    def __init__(self, launcher: Launcher, anisotropy: int) -> None:
+        """anisotropy: most probes of a footprint when light is pasted."""
+        self._launcher, self.anisotropy = launcher, anisotropy
+        self.visible: Any = launcher.empty((0, 0), wp.int32)
+        self._seen = self._targets = launcher.shared((0,), wp.int32)
+        self._charts: Charts | None = None
+        self.segments, self.narrowest = np.zeros(0, np.int64), launcher.shared((0,), wp.float64)
 
     @staticmethod
     def of(shot: Shot, anisotropy: int) -> "Screen":
-        """Rasterise the screen once."""
-        launcher, height, width = shot.launcher, shot.view.height, shot.view.width
-        charts, triangles, grid = charts_of(shot), shot.triangles, shot.grid()
-        visible, seen = launcher.empty((height, width), wp.int32), launcher.zeros(len(charts.segments), wp.int32)
-        inputs = [grid, triangles.edges, triangles.planes, triangles.bounds, charts.owners, visible, seen]
-        launcher.over(height, see_charts, (), inputs)
-        shown = np.flatnonzero(on_host(seen))
-        targets = np.full(len(charts.segments), -1, np.int32)
-        targets[shown] = np.arange(len(shown))
-        return Screen(shot, charts, anisotropy, grid, visible, shown, launcher.view(targets, wp.int32))
+        """The screen of one frame."""
+        screen = Screen(shot.launcher, anisotropy)
+        screen.see(shot)
+        return screen
 
-    @property
-    def segments(self) -> NDArray[np.int64]:
-        """Numbers of the charts in sight, rising."""
-        return self.charts.segments[self.shown]
+    def see(self, shot: Shot) -> None:
+        """Rasterise a frame's screen once."""
+        launcher, size, triangles = self._launcher, (shot.view.height, shot.view.width), shot.triangles
+        charts = charts_of(shot)
+        self.shot, self.grid = shot, shot.grid()
+        count = (len(charts.segments),)
+        if self.visible.shape != size:
+            self.visible = launcher.empty(size, wp.int32)
+        if self._seen.host.shape != count:
+            self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
+        self._seen.fill(0)
+        inputs = [self.grid, triangles.edges, triangles.planes, triangles.bounds]
+        launcher.over(size[0], see_charts, (), [*inputs, charts.owners, self.visible, self._seen.device])
+        self._seen.fetch()
+        self.shown = np.flatnonzero(self._seen.host)
+        if charts is not self._charts or self._targets.host[self.shown].min(initial=0) < 0:
+            self._assign(charts)
+        self.narrowest.host.fill(-1.0)
+        self.narrowest.host[self._targets.host[self.shown]] = charts.narrowest[self.shown]
 
-    def read(self, widths: Ints, shading: int) -> Tiles:
-        """What pasting reads of each tile, and which are shaded (see `choose_levels`). widths: of targets, texels."""
-        launcher, shot, layout = self.shot.launcher, self.shot, Layout(self.segments, widths)
-        need = launcher.filled(layout.entries, wp.int32, NEVER)
-        atlas = layout.on(launcher, self.charts.owners, self.targets)
+    def _assign(self, charts: Charts) -> None:
+        """See that each chart in sight has a target."""
+        self._charts = None  # until it is so
+        known = charts.segments
+        seen = known[self.shown]
+        if not np.isin(seen, self.segments).all():
+            wanted = np.union1d(self.segments, seen)
+            self.segments = wanted if len(wanted) <= MOST_TARGETS * len(seen) else seen
+        if self.narrowest.host.shape != self.segments.shape:
+            self.narrowest = self._launcher.shared(self.segments.shape, wp.float64)
+        place = placed(self.segments, known)
+        has = np.flatnonzero(place >= 0)
+        self._targets.host.fill(-1)
+        self._targets.host[place[has]] = has
+        self._targets.send()
+        self._charts = charts
+
+    def mark(self, tiles: Tiles) -> None:
+        """Set what pasting reads of each tile."""
+        launcher, shot, atlas = self._launcher, self.shot, tiles.atlas
+        atlas.charts, atlas.targets = charts_of(shot).owners, self._targets.device
+        tiles.need.fill(NEVER)
         kernel = mark_with(marking(self.anisotropy).on(launcher.device))
-        inputs = [self.grid, self.visible, shot.triangles.planes, atlas, need]
+        inputs = [self.grid, self.visible, shot.triangles.planes, atlas, tiles.need.device]
         launcher.over(shot.view.height, kernel, (), inputs)
-        # Texels larger than a triangle may miss it, so they are shaded at a finer level and reduced.
-        texels = self.charts.narrowest[self.shown] * widths
-        coarsest = np.maximum(np.frexp(texels)[1] - 1, 0).astype(np.int32)
-        return Tiles.read(launcher, layout, atlas, on_host(need), coarsest, shading)
-
-    def paste(self, atlas: Any, texels: Any) -> Any:
-        """The picture [H, W] on the device: the light is the texture."""
-        launcher, shot = self.shot.launcher, self.shot
-        picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
-        kernel = paste_with(paged(self.anisotropy).on(launcher.device))
-        inputs = [self.grid, self.visible, shot.triangles.planes, atlas, texels, shot.sun, picture]
-        launcher.over(shot.view.height, kernel, (), inputs)
-        return picture
+        tiles.need.fetch()
 
 
 class Lighting:
     """Lights tiles as a frame's eye sees them, under that frame's sun."""
 
+    def __init__(self, shot: Shot, ways: "Ways") -> None:
+        self.shot, self._ways, self._charts = shot, ways, charts_of(shot)
+
+    def of(self, jobs: Jobs, tiles: Tiles, texels: Any) -> Iterator[Callable[[], None]]:
+        """What lights the jobs of this frame where the pages say, but for coarse levels."""
+        launcher, drawn = self.shot.launcher, self._charts.drawn(tiles.layout)
+        ranges, size = np.empty(WAYS + 1, np.int32), self.shot.material.size
+        inputs = [tiles.jobs, *jobs.as_in(self.shot.frame), tiles.shapes, drawn.widened]
+        inputs += [max(size), size[0] == size[1], tiles.parted, ranges]
+        launcher.launch_on_host(part_jobs, inputs)
+        tiles.parted.send()
+        ends = ranges.tolist()
+        for way in range(WAYS):
+            begin, end = ends[way : way + 2]
+            if begin < end:
+                kernel, chain = self._ways.of(way)
+                inputs = [begin, tiles.parted.device, tiles.tiles.device, tiles.kept.device, tiles.atlas, drawn.ranges]
+                inputs += [drawn.triangles.edges, drawn.triangles.planes]
+                inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
+                yield launcher.laid_out(end - begin, kernel, (), inputs)
+
+
+class Ways:
+    """The kernels that light jobs from some inputs, by how their texels lie on those of the maps.
+
+    All shots of one renderer are of one material, and have the same.
+    """
+
     def __init__(self, shot: Shot, inputs: Inputs) -> None:
-        self.shot, self.inputs, self._charts = shot, shot.inputs(inputs), charts_of(shot)
+        self._shot, self._inputs = shot, shot.inputs(inputs)
+        self._ways: dict[int, Way] = {}
 
-    def light(self, jobs: Jobs, atlas: Any, texels: Any) -> list[Any]:
-        """Light the jobs of this frame where the atlas says, but coarse levels; texels shaded by each, on device."""
-        launcher, drawn = self.shot.launcher, self._charts.drawn(jobs.layout)
-        shaded = []
-        for mine, (kernel, chain) in self._ways(jobs.layout, jobs.as_in(self.shot.frame), drawn):
-            shaded.append(launcher.empty(len(mine), wp.int32))
-            inputs = [launcher.view(mine, wp.int32), jobs.tiles, jobs.kept, atlas, drawn.ranges]
-            inputs += [drawn.triangles.edges, drawn.triangles.planes]
-            inputs += [chain.texels, chain.shape, self.shot.sun, texels, shaded[-1]]
-            launcher.over(len(mine), kernel, (), inputs)
-        return shaded
-
-    def _ways(self, layout: Layout, jobs: Ints, drawn: Drawn) -> "list[tuple[Ints, Way]]":
-        """Jobs by the way in which they are lit, that is how their texels lie on those of the maps."""
-        size = self.shot.material.size
-        parted, ranges = np.empty_like(jobs), np.empty(WAYS + 1, np.int32)
-        inputs = [jobs, layout.shapes, drawn.widened, max(size), size[0] == size[1], parted, ranges]
-        self.shot.launcher.launch_on_host(part_jobs, inputs)
-        parts = {way: parted[slice(*ranges[way : way + 2])] for way in range(WAYS)}
-        return [(part, self._way(way)) for way, part in parts.items() if len(part)]
-
-    def _way(self, way: int) -> "Way":
-        if way == ALIGNED:
-            return self._aligned()
-        return self._filtered(BOX if way == BETWEEN else self.inputs)
+    def of(self, way: int) -> "Way":
+        """The kernel of a way."""
+        if way not in self._ways:
+            self._ways[way] = self._aligned() if way == ALIGNED else self._filtered(way)
+        return self._ways[way]
 
     def _aligned(self) -> "Way":
-        chain = self.shot.material.resolved(self.inputs)
-        fill = aligned(chain.floats).on(self.shot.launcher.device)
-        return Way(light_tiles(fill, self.shot.shade_packet(self.inputs, chain.floats), chain.floats), chain)
+        chain = self._shot.material.resolved(self._inputs)
+        fill = aligned(chain.floats).on(self._shot.launcher.device)
+        return Way(light_tiles(fill, self._shot.shade_packet(self._inputs, chain.floats), chain.floats), chain)
 
-    def _filtered(self, inputs: Inputs) -> "Way":
-        chain = self.shot.material.chain(inputs)
-        device = self.shot.launcher.device
+    def _filtered(self, way: int) -> "Way":
+        inputs = BOX if way == BETWEEN else self._inputs
+        chain = self._shot.material.chain(inputs)
+        device = self._shot.launcher.device
         fill = inputs.after(ISOTROPIC.fill(chain.floats, device), chain.floats, device)
-        return Way(light_tiles(fill, self.shot.shade_packet(inputs, chain.floats), chain.floats), chain)
+        return Way(light_tiles(fill, self._shot.shade_packet(inputs, chain.floats), chain.floats), chain)
 
 
 class Way(NamedTuple):
@@ -129,6 +155,19 @@ class Way(NamedTuple):
     chain: MipChain
 
 
-def reduce_targets(launcher: Launcher, atlas: Any, texels: Any) -> None:
-    """Fill the coarse levels of all targets from their tiles."""
-    launcher.launch(reduce_coarse, len(atlas.shapes), [0, atlas, texels])
+def painted(screen: Screen, tiles: Tiles, texels: Any, lights: Iterable[Callable[[], None]]) -> Any:
+    """The picture [H, W] on the device: tiles are lit and reduced, and the light is the texture."""
+    shot = screen.shot
+    launcher, height = shot.launcher, shot.view.height
+    picture = launcher.empty((height, shot.view.width), wp.vec4)
+    kernel = paste_with(paged(screen.anisotropy).on(launcher.device))
+    inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, picture]
+    # All is laid out before the first kernel, as kernels empty the caches.
+    lights = list(lights)
+    reduce = launcher.record(reduce_coarse, len(tiles.layout.widths), [tiles.atlas, tiles.finest.device, texels])
+    paste = launcher.laid_out(height, kernel, (), inputs)
+    for light in lights:
+        light()
+    launcher.start(reduce)
+    paste()
+    return picture

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Pool, Tiles
+from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.catalogue import model_of
 from swimlab.render.inputs import Inputs
 from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE, START
@@ -16,7 +16,7 @@ from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen
+from swimlab.render.target import Lighting, Screen, Ways
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
@@ -43,8 +43,8 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     in the light of its own frame.
     """
     settings = TslSettings.model_validate(shot.sequence.techniques.get("tsl", {}))
-    tiles = planned(Screen.of(shot, settings.anisotropy), settings)
-    lightings = [Lighting(shot, inputs) for inputs in (INPUTS[settings.inputs], NORMALS)]
+    tiles = planned(Screen.of(shot, settings.anisotropy), settings, Shelf(shot.launcher))
+    lightings = [Lighting(shot, Ways(shot, inputs)) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []
     for target, segment in enumerate(tiles.layout.segments):
@@ -63,12 +63,15 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     """A target as one picture [size, size, 4]: each tile at the level it is shaded at, 0 where it is not."""
     launcher, layout, frame = lighting.shot.launcher, tiles.layout, lighting.shot.frame
     pool, mine = Pool(launcher), layout.of(target)
-    shown = tiles._replace(table=np.full_like(tiles.table, NEVER))
-    shown.table[SHADE, mine] = shown.table[KEEP, mine] = levels = tiles.table[SHADE, mine]
-    shown.table[KEEP, mine.start - 1] = 0
-    shown.table[EPOCH] = frame
-    lighting.light(pool.place(shown, [0], frame), shown.atlas, pool.texels)
-    texels, start = pool.texels.numpy(), shown.table[START]
+    shown = Tiles(launcher, layout)
+    table, levels = shown.table.host, tiles.table.host[SHADE, mine]
+    table[[SHADE, KEEP]], table[EPOCH] = NEVER, frame
+    table[SHADE, mine] = table[KEEP, mine] = levels
+    table[KEEP, mine.start - 1] = 0
+    shown.finest.fill(0)
+    for light in lighting.of(pool.place(shown, [0], frame, Held.nothing(launcher)), shown, pool.texels):
+        light()
+    texels, start = pool.texels.numpy(), table[START]
     across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
     out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)
     for place in np.flatnonzero(levels != NEVER).tolist():

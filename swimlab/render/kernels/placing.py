@@ -8,12 +8,12 @@ import warp as wp
 from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tiles import TILE_LEVEL
 
-SHADE, KEEP, EPOCH, POSE, START, TABLE, ANEW = range(7)
+SHADE, KEEP, EPOCH, POSE, START, ANEW = range(6)
 """Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level to keep of it,
 NEVER for none. EPOCH: the frame whose light it is. POSE: a number of where eye and sun were. START: the first texel of
-its block in the pool. TABLE: what kernels take (see Pages). ANEW: the level to shade it at now, NEVER where it is held.
+its block in the pool. ANEW: the level to shade it at now, NEVER where it is held.
 """
-ROWS = 7
+ROWS = 6
 
 NEEDED, VISIBLE, ALL = range(3)
 """What is shaded: tiles that are read, at the level they are read at; these at level 0; all."""
@@ -38,10 +38,18 @@ def tiles_of(shapes: wp.array2d(dtype=wp.int32), target: wp.int32) -> wp.int32:
     return across * across
 
 
+@wp.func
+def tiles_in_sight(shapes: wp.array2d(dtype=wp.int32), finest: wp.array(dtype=wp.int32), target: wp.int32) -> wp.int32:
+    """How many tiles a target has that may be read: none where it is out of sight."""
+    if finest[target] == NEVER:
+        return 0
+    return tiles_of(shapes, target)
+
+
 @wp.kernel
 def choose_levels(
     shapes: wp.array2d(dtype=wp.int32),
-    coarsest: wp.array(dtype=wp.int32),
+    narrowest: wp.array(dtype=wp.float64),
     need: wp.array(dtype=wp.int32),
     shading: wp.int32,
     table: wp.array2d(dtype=wp.int32),
@@ -49,18 +57,25 @@ def choose_levels(
 ):
     """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
 
-    shapes: as in Atlas. Nothing is kept coarser than `coarsest` of its target. Of coarse levels all are kept.
+    shapes: as in Atlas. narrowest: the least extent in u or v of the triangles of each target's chart, less than 0 for
+    one out of sight, of which nothing is shaded. Texels larger than a triangle may miss it, so they are shaded at a
+    finer level and reduced. Of coarse levels all are kept.
     """
     for k in range(shapes.shape[0]):
         first = shapes[k, 3]
+        texels = narrowest[k] * wp.float64(shapes[k, 0])
+        coarsest = wp.int32(0)
+        while texels >= wp.float64(2.0):
+            texels *= wp.float64(0.5)
+            coarsest += 1
         least = wp.int32(NEVER)
         for entry in range(first, first + tiles_of(shapes, k)):
             keep = need[entry]
             if keep != NEVER:
-                keep = wp.min(keep, coarsest[k])
+                keep = wp.min(keep, coarsest)
             least = wp.min(least, keep)
             shade = keep
-            if shading == ALL or (shading == VISIBLE and keep != NEVER):
+            if narrowest[k] >= wp.float64(0.0) and (shading == ALL or (shading == VISIBLE and keep != NEVER)):
                 shade = wp.int32(0)
             table[KEEP, entry] = keep
             table[SHADE, entry] = shade
@@ -108,8 +123,10 @@ def hold_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
     shapes: wp.array2d(dtype=wp.int32),
+    finest: wp.array(dtype=wp.int32),
     before: wp.array(dtype=wp.int32),
     now: wp.array2d(dtype=wp.int32),
+    pages: wp.array(dtype=wp.int32),
     last_shapes: wp.array2d(dtype=wp.int32),
     after: wp.array(dtype=wp.int32),
     last: wp.array2d(dtype=wp.int32),
@@ -117,14 +134,15 @@ def hold_tiles(
     count: wp.array(dtype=wp.int32),
     end: wp.array(dtype=wp.int64),
 ):
-    """Fill POSE, START, TABLE and ANEW: blocks of what is lost are given back, and others taken for what is new.
+    """Fill POSE, START and ANEW: blocks of what is lost are given back, and others taken for what is new.
 
-    poses: of frames from `oldest` on. before: of each target its place in the last frame, or -1; after: the other way
-    round. free: first texels of blocks of each kind that nobody has, `count` of each. end: the pool's first texel that
-    nobody ever had.
+    finest: as `choose_levels` leaves it; of targets out of sight only coarse levels are looked at. pages: receives
+    where kernels find blocks, the `table` of Pages. poses: of frames from `oldest` on. before: of each target its place
+    in the last frame, or -1; after: the other way round. free: first texels of blocks of each kind that nobody has,
+    `count` of each. end: the pool's first texel that nobody ever had.
     """
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + tiles_of(shapes, k)):
+        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
             now[POSE, entry] = poses[now[EPOCH, entry] - oldest]
     for j in range(last_shapes.shape[0]):
         k = after[j]
@@ -142,7 +160,7 @@ def hold_tiles(
         tile_level = shapes[k, 2]
         whole = 1 << (2 * tile_level)
         j = before[k]
-        for i in range(-1, tiles_of(shapes, k)):
+        for i in range(-1, tiles_in_sight(shapes, finest, k)):
             entry = shapes[k, 3] + i
             keep = now[KEEP, entry]
             anew = now[SHADE, entry]
@@ -169,13 +187,14 @@ def hold_tiles(
             # A tile's table says where its level 0 would begin.
             if i >= 0 and keep != NEVER:
                 start -= 4 * (whole - (whole >> (2 * wp.min(keep, tile_level)))) / 3
-            now[TABLE, entry] = start
+            pages[entry] = start
 
 
 @wp.func
 def order_jobs(
     oldest: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
+    finest: wp.array(dtype=wp.int32),
     table: wp.array2d(dtype=wp.int32),
     places: wp.array3d(dtype=wp.int32),
     tiles: wp.array(dtype=wp.int32),
@@ -188,7 +207,7 @@ def order_jobs(
     places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs + 1], the first job of each epoch.
     """
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_of(shapes, k)):
+        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 places[table[EPOCH, entry] - oldest, k, level] += 1
@@ -210,7 +229,7 @@ def order_jobs(
                     placed += together
     ranges[places.shape[0]] = found
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_of(shapes, k)):
+        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 epoch = table[EPOCH, entry] - oldest
@@ -225,8 +244,10 @@ def place_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
     shapes: wp.array2d(dtype=wp.int32),
+    finest: wp.array(dtype=wp.int32),
     before: wp.array(dtype=wp.int32),
     now: wp.array2d(dtype=wp.int32),
+    pages: wp.array(dtype=wp.int32),
     last_shapes: wp.array2d(dtype=wp.int32),
     after: wp.array(dtype=wp.int32),
     last: wp.array2d(dtype=wp.int32),
@@ -240,13 +261,15 @@ def place_tiles(
     ranges: wp.array(dtype=wp.int32),
 ):
     """Hold tiles, and put what is to be shaded in order."""
-    hold_tiles(oldest, poses, shapes, before, now, last_shapes, after, last, free, count, end)
-    order_jobs(oldest, shapes, now, places, tiles, kept, jobs, ranges)
+    hold_tiles(oldest, poses, shapes, finest, before, now, pages, last_shapes, after, last, free, count, end)
+    order_jobs(oldest, shapes, finest, now, places, tiles, kept, jobs, ranges)
 
 
 @wp.kernel
 def part_jobs(
     jobs: wp.array2d(dtype=wp.int32),
+    begin: wp.int32,
+    end: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
     widened: wp.array(dtype=wp.bool),
     finest: wp.int32,
@@ -254,15 +277,15 @@ def part_jobs(
     parted: wp.array2d(dtype=wp.int32),
     ranges: wp.array(dtype=wp.int32),
 ):
-    """Put jobs of one way behind those of another; ranges: [WAYS + 1], the first job of each.
+    """Put jobs begin ... end of one way behind those of another; ranges: [WAYS + 1], the first job of each.
 
     widened: whether a target's chart is. finest: texels of the maps along their longer side. square: whether both are
     as long. Between texels of the maps two normals that are blended by magnification are no roughness.
     """
-    found = wp.int32(0)
+    found = wp.int32(begin)
     for way in range(WAYS):
         ranges[way] = found
-        for job in range(jobs.shape[0]):
+        for job in range(begin, end):
             target = jobs[job, 0]
             mine = wp.where(square and not widened[target], wp.int32(ALIGNED), wp.int32(FILTERED))
             if shapes[target, 0] >> jobs[job, 1] > finest:

@@ -13,7 +13,7 @@ from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, rows_of
 from swimlab.render.kernels.raster import covers
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Edges, Pages, Planes, Sun
-from swimlab.render.kernels.texture_space import Atlas, pages_of
+from swimlab.render.kernels.texture_space import NEVER, Atlas, pages_of
 
 TILE_LEVEL = 5
 """log2 of the texels along a tile, in targets that are as large."""
@@ -250,7 +250,8 @@ def keeping() -> Twins:
 
 @made_once
 def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that shades, reduces and keeps tiles, one thread a job. `lit` receives how many texels were shaded.
+    """The kernel that shades, reduces and keeps tiles, one thread a job, from job `begin` on. `lit` receives how many
+    texels each shaded.
 
     Techniques differ in `fill` and `shade_packet`, as in `shade_samples`. charts: of each target the first of its
     triangles and one past the last.
@@ -262,6 +263,7 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first_job: wp.int32,
+        begin: wp.int32,
         jobs: wp.array2d(dtype=wp.int32),
         tiles: wp.array(dtype=wp.int32),
         kept: wp.array(dtype=wp.int32),
@@ -275,7 +277,7 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
         held: wp.array(dtype=wp.vec4),
         lit: wp.array(dtype=wp.int32),
     ):
-        job = first_job + wp.tid()
+        job = begin + first_job + wp.tid()
         target = jobs[job, 0]
         level = jobs[job, 1]
         first = jobs[job, 2]
@@ -338,11 +340,16 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
 
 
 @wp.kernel
-def reduce_coarse(first_target: wp.int32, atlas: Atlas, held: wp.array(dtype=wp.vec4)):
-    """Fill the levels of a target at which a texel is more than a tile, one thread a target."""
-    pages = pages_of(atlas, first_target + wp.tid())
-    upper = wp.int32(pages.table[pages.first - 1])
-    side = wp.int32(pages.width >> pages.tile_level)
-    while side > 1:
-        upper = halve_square(held, upper, side)
-        side = side / 2
+def reduce_coarse(atlas: Atlas, finest: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.vec4)):
+    """Fill the levels of a target at which a texel is more than a tile, one thread a target.
+
+    finest: the finest level that is read of each, NEVER for none.
+    """
+    target = wp.tid()
+    if finest[target] != NEVER:
+        pages = pages_of(atlas, target)
+        upper = wp.int32(pages.table[pages.first - 1])
+        side = wp.int32(pages.width >> pages.tile_level)
+        while side > 1:
+            upper = halve_square(held, upper, side)
+            side = side / 2

@@ -12,14 +12,15 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, field_validator
 
-from swimlab.render.atlas import NO_TILES, NOTHING, Held, Pool, Tiles
+from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
+from swimlab.render.layout import Ints
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, reduce_targets
-from swimlab.render.technique import Picture, Technique, to_image, total
+from swimlab.render.target import Lighting, Screen, Ways, painted
+from swimlab.render.technique import Picture, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
 INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
@@ -56,49 +57,69 @@ class TslSettings(Settings):
         return size
 
 
-def planned(screen: Screen, settings: TslSettings) -> Tiles:
+def planned(screen: Screen, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    shading, sizes = SHADING[settings.texels], np.full(len(screen.shown), settings.size, np.int32)
-    tiles = screen.read(sizes, shading)
-    if settings.sizes == "fixed":
-        return tiles
-    return screen.read(np.maximum(16, sizes >> np.clip(tiles.finest + settings.coarser, 0, 16)), shading)
+    sizes = np.full(len(screen.segments), settings.size, np.int32)
+    tiles = read(screen, settings, shelf, sizes)
+    if settings.sizes == "fitted":
+        fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
+        if not np.array_equal(fitted, sizes):
+            tiles = read(screen, settings, shelf, fitted)
+    return tiles
+
+
+def read(screen: Screen, settings: TslSettings, shelf: Shelf, sizes: Ints) -> Tiles:
+    """The tiles of targets of some sizes, and what of them is read and shaded."""
+    tiles = shelf.tiles(screen.segments, sizes)
+    screen.mark(tiles)
+    tiles.choose(screen.shot.launcher, screen.narrowest, SHADING[settings.texels])
+    return tiles
 
 
 class Targets:
-    """A renderer that holds the light which its last frame has read, and shades what differs."""
+    """A renderer that holds the light which its last frame has read, and shades what differs.
+
+    All shots of one renderer are of one sequence, under one set of settings.
+    """
 
     def __init__(self) -> None:
-        self._held = NOTHING
-        self._pool: Pool | None = None
-        self._epochs: Epochs | None = None
         self._lightings: dict[int, Lighting] = {}
+        self._begun = False
+
+    def _begin(self, shot: Shot, settings: TslSettings) -> None:
+        self._screen, self._shelf = Screen(shot.launcher, settings.anisotropy), Shelf(shot.launcher)
+        self._pool, self._ways = Pool(shot.launcher), Ways(shot, INPUTS[settings.inputs])
+        self._epochs = Epochs(settings.reuse, settings.tolerance)
+        self._held = self._nothing = Held.nothing(shot.launcher)
+        self._begun = True
 
     def __call__(self, shot: Shot, settings: TslSettings) -> Picture:
-        """The shot's picture; all shots of one renderer are of one sequence, under one set of settings."""
-        screen, inputs, launcher = Screen.of(shot, settings.anisotropy), INPUTS[settings.inputs], shot.launcher
+        """The shot's picture."""
+        if not self._begun:
+            self._begin(shot, settings)
+        screen, epochs, pool = self._screen, self._epochs, self._pool
+        screen.see(shot)
         if len(screen.shown) == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        tiles = planned(screen, settings)
-        pool = self._pool = self._pool or Pool(launcher)
-        epochs = self._epochs = self._epochs or Epochs(settings.reuse, settings.tolerance)
+        tiles = planned(screen, settings, self._shelf)
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
-        self._lightings[shot.frame] = Lighting(shot, inputs)
+        self._lightings[shot.frame] = Lighting(shot, self._ways)
         # Until this frame is done nothing is known of what is held.
-        held, self._held = self._held if settings.reuse > 1 else NOTHING, NOTHING
-        epochs.find(tiles, held.tiles if held.frame == shot.frame - 1 else NO_TILES)
-        jobs = pool.place(tiles, epochs.poses, epochs.oldest, held.tiles)
-        shaded = []
-        for frame in jobs.frames:
-            if frame not in self._lightings:
-                self._lightings[frame] = Lighting(epochs.shot(frame), inputs)
-            shaded += self._lightings[frame].light(jobs, tiles.atlas, pool.texels)
-        reduce_targets(launcher, tiles.atlas, pool.texels)
-        self._held = Held(shot.frame, tiles)
-        picture = to_image(screen.paste(tiles.atlas, pool.texels))
-        return Picture(picture, shaded=sum(map(total, shaded)))
+        held, self._held = self._held, self._nothing
+        epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)
+        jobs = pool.place(tiles, epochs.poses, epochs.oldest, held)
+        lights = (light for frame in jobs.frames for light in self._lighting(frame).of(jobs, tiles, pool.texels))
+        picture = painted(screen, tiles, pool.texels, lights)
+        if settings.reuse > 1:
+            self._held = Held.of(shot.frame, tiles)
+        return Picture(to_image(picture), shaded=tiles.shaded(jobs))
+
+    def _lighting(self, frame: int) -> Lighting:
+        if frame not in self._lightings:
+            self._lightings[frame] = Lighting(self._epochs.shot(frame), self._ways)
+        return self._lightings[frame]
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:

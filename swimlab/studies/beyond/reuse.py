@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swimlab.render.atlas import Pool
+from swimlab.render.atlas import Held, Pool, Shelf
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, reduce_targets
+from swimlab.render.target import Lighting, Screen, Ways, painted
 from swimlab.render.technique import Image, to_image
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
 from swimlab.studies.page import Cell, Section, Table
@@ -65,14 +65,12 @@ def reuse_study(stage: Stage, *, rounds: int) -> dict[str, Row]:
 
 def late(shot: Shot, settings: TslSettings) -> Image:
     """A frame under the light of the frame before: its eye and its sun, seen from where the camera is now."""
-    launcher = shot.launcher
-    screen = Screen.of(shot, settings.anisotropy)
-    tiles, pool, before = planned(screen, settings), Pool(launcher), shot.at(shot.frame - 1)
-    tiles.table[EPOCH] = before.frame
-    jobs = pool.place(tiles, [0], before.frame)
-    Lighting(before, INPUTS[settings.inputs]).light(jobs, tiles.atlas, pool.texels)
-    reduce_targets(launcher, tiles.atlas, pool.texels)
-    return to_image(screen.paste(tiles.atlas, pool.texels))
+    screen, pool, before = Screen.of(shot, settings.anisotropy), Pool(shot.launcher), shot.at(shot.frame - 1)
+    tiles = planned(screen, settings, Shelf(shot.launcher))
+    tiles.table.host[EPOCH] = before.frame
+    jobs = pool.place(tiles, [0], before.frame, Held.nothing(shot.launcher))
+    lights = Lighting(before, Ways(before, INPUTS[settings.inputs])).of(jobs, tiles, pool.texels)
+    return to_image(painted(screen, tiles, pool.texels, lights))
 
 
 def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:

@@ -6,10 +6,10 @@ from scipy.ndimage import binary_erosion, map_coordinates
 
 from metrics.kernels.launch import Strip
 from sequences import load
-from swimlab.render.atlas import Layout
 from swimlab.render.charts import Charts
 from swimlab.render.geometry import describe_geometry
 from swimlab.render.kernels.structs import Grid
+from swimlab.render.layout import Layout
 from swimlab.render.triangles import Triangles, visibility
 
 STEP = 0.1

@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render import atlas
-from swimlab.render.atlas import NO_TILES, Layout, Pool, Tiles, matched
+from swimlab.render.atlas import Held, Pool, Tiles
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.placing import ANEW, EPOCH, KEEP, POSE, ROWS, SHADE, START
-from swimlab.render.kernels.texture_space import NEVER, Atlas
+from swimlab.render.kernels.placing import ANEW, EPOCH, KEEP, POSE, SHADE, START
+from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
+from swimlab.render.layout import Layout, matched
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
 from swimlab.render.techniques import tsl
@@ -113,20 +114,22 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert np.all(np.diff(shaded) < 0)
 
 
-def tiles_of(layout, shade=0, keep=0):
+def tiles_of(launcher, layout, shade=0, keep=0):
     """Tiles of targets that are all in sight."""
-    table = np.zeros((ROWS, layout.entries), np.int32)
-    table[SHADE], table[KEEP] = shade, keep
-    return Tiles(layout, table, np.zeros(len(layout.widths), np.int32), Atlas())
+    tiles = Tiles(launcher, layout)
+    tiles.finest.fill(0)
+    tiles.table.host[SHADE], tiles.table.host[KEEP] = shade, keep
+    return tiles
 
 
 def ages(shoot, sequence, frame, reuse, tolerance, segments=(2, 3)):
     """How old the light of each tile of two targets is."""
-    tiles = tiles_of(Layout(np.array(segments), np.full(len(segments), 256, np.int32)))
+    shot = shoot(sequence, frame)
+    tiles = tiles_of(shot.launcher, Layout(np.array(segments), np.full(len(segments), 256, np.int32)))
     epochs = Epochs(reuse, tolerance)
-    epochs.look(shoot(sequence, frame))
-    epochs.find(tiles, NO_TILES)
-    return frame - np.concatenate([tiles.table[EPOCH, tiles.layout.of(k)] for k in range(len(segments))])
+    epochs.look(shot)
+    epochs.find(tiles, Held.nothing(shot.launcher))
+    return frame - np.concatenate([tiles.table.host[EPOCH, tiles.layout.of(k)] for k in range(len(segments))])
 
 
 def test_tiles_take_turns(shoot):
@@ -205,12 +208,13 @@ def size_of_block(layout, entry, keep):
 def test_blocks_that_are_held_never_overlap(launcher, frames):
     """Whatever was given back before; all lie within the pool, beyond the texels that are nobody's. What is held of
     the frame before lies where it lay, and all else is to be shaded anew."""
-    pool, last = Pool(launcher), NO_TILES
+    pool, last = Pool(launcher), Held.nothing(launcher)
     for layout, keep, epochs in frames:
-        tiles = tiles_of(layout, keep, keep)
-        tiles.table[EPOCH] = epochs
+        tiles = tiles_of(launcher, layout, keep, keep)
+        table, held = tiles.table.host, last.table.host
+        table[EPOCH] = epochs
         pool.place(tiles, [7, 8], 0, last)
-        kept, start, anew = tiles.table[KEEP], tiles.table[START], tiles.table[ANEW]
+        kept, start, anew = table[KEEP], table[START], table[ANEW]
         blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
         begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
         assert (begin[1:] >= (begin + size)[:-1]).all()
@@ -221,13 +225,13 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
         for target, place in enumerate(before):
             for entry in range(layout.of(target).start, layout.of(target).stop):
                 was = entry - layout.of(target).start + last.layout.of(place).start if place >= 0 else None
-                same = was is not None and all(last.table[row, was] == tiles.table[row, entry] for row in (SHADE, POSE))
-                if same and last.table[KEEP, was] <= keep[entry]:
+                same = was is not None and all(held[row, was] == table[row, entry] for row in (SHADE, POSE))
+                if same and held[KEEP, was] <= keep[entry]:
                     assert anew[entry] == NEVER
-                    assert (kept[entry], start[entry]) == (last.table[KEEP, was], last.table[START, was])
+                    assert (kept[entry], start[entry]) == (held[KEEP, was], held[START, was])
                 else:
                     assert anew[entry] == keep[entry]
-        last = tiles
+        last = Held.of(0, tiles)
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)
@@ -235,24 +239,25 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
 def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
     """Jobs are of one frame, one target and one level each, and no larger than a whole tile."""
     layout, keep, epochs = frames[0]
-    tiles = tiles_of(layout, keep, keep)
-    tiles.table[EPOCH] = epochs
-    jobs = Pool(launcher).place(tiles, [0, 1], 0)
-    order, done = jobs.tiles.numpy(), []
+    tiles = tiles_of(launcher, layout, keep, keep)
+    table = tiles.table.host
+    table[EPOCH] = epochs
+    jobs = Pool(launcher).place(tiles, [0, 1], 0, Held.nothing(launcher))
+    order, done = tiles.tiles.host, []
     for frame in jobs.frames:
-        for target, level, first, count in jobs.as_in(frame).tolist():
+        for target, level, first, count in tiles.jobs.host[slice(*jobs.as_in(frame))].tolist():
             mine = order[first : first + count]
             done += mine.tolist()
             assert count << 2 * (layout.tile_levels[target] - level) <= 4**TILE_LEVEL
             assert (np.searchsorted(layout.firsts - 1, mine, side="right") - 1 == target).all()
-            assert (tiles.table[ANEW, mine] == level).all()
-            assert (tiles.table[EPOCH, mine] == frame).all()
-            assert np.array_equal(jobs.kept.numpy()[first : first + count], keep[mine])
+            assert (table[ANEW, mine] == level).all()
+            assert (table[EPOCH, mine] == frame).all()
+            assert np.array_equal(tiles.kept.host[first : first + count], keep[mine])
     of_tiles = np.setdiff1d(np.flatnonzero(keep != NEVER), layout.firsts - 1)
     assert sorted(done) == of_tiles.tolist()
 
 
-@pytest.mark.parametrize("fails", ["reduce_targets", "to_image"])
+@pytest.mark.parametrize("fails", ["painted", "to_image"])
 def test_a_frame_that_fails_spoils_none_after_it(shoot, render, monkeypatch, fails):
     """As by Ctrl-C: what was given back for it by then is not given back again."""
     sequence = small("road-drive", motion=FAST)

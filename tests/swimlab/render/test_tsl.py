@@ -7,10 +7,11 @@ from oracle import Oracle
 from pydantic import ValidationError
 
 from sequences import load
+from swimlab.render.atlas import Shelf
 from swimlab.render.kernels.packet import PLACES
 from swimlab.render.kernels.texture_space import NEVER, Atlas, marking, pages_of
 from swimlab.render.kernels.tiles import TILE_LEVEL
-from swimlab.render.target import Screen
+from swimlab.render.target import MOST_TARGETS, Screen
 from swimlab.render.techniques import tsl
 
 SHORT = load("road-shift").with_changes(
@@ -101,15 +102,33 @@ def test_only_segments_in_sight_are_lit(shoot, render, maps):
     assert 0.5 * whole < render(shoot(sequence), "tsl", size=16).shaded <= whole
 
 
+@pytest.mark.parametrize("texels", ["all", "visible"])
+def test_charts_that_come_and_go_keep_their_targets(shoot, render, texels):
+    """Far charts are narrower than a pixel. Those out of sight are not lit, and change nothing."""
+    sequence, given = load("road-shift").with_changes(size=(96, 54)), {"size": 64, "texels": texels}
+    screen, renderer, idle = Screen(shoot(sequence).launcher, 16), tsl.Targets(), 0
+    for frame in range(8):
+        shot = shoot(sequence, frame)
+        screen.see(shot)
+        seen, targets = set(Screen.of(shot, 16).segments.tolist()), screen.segments.tolist()
+        assert seen <= set(targets)
+        assert len(targets) <= MOST_TARGETS * len(seen)
+        idle += len(targets) - len(seen)
+        kept, plain = renderer(shot, tsl.TslSettings(**given)), render(shot, "tsl", **given)
+        assert kept.rgba.tobytes() == plain.rgba.tobytes()
+        assert kept.shaded == plain.shaded
+    assert idle > 0
+
+
 def test_road_out_of_sight_costs_nothing(shoot):
     """However many charts lie ahead, those that no pixel's centre sees have no target."""
     tables = []
     for length in (300.0, 30000.0):
         sequence = SHORT.with_changes(scene={"road": {"length": length}}, camera={"pitch": -30.0})
         shot = shoot(sequence)
-        tiles = tsl.planned(Screen.of(shot, 16), tsl.TslSettings(size=256))
+        tiles = tsl.planned(Screen.of(shot, 16), tsl.TslSettings(size=256), Shelf(shot.launcher))
         assert len(np.unique(shot.mesh.segments)) > length / 8
-        tables.append(tiles.table.shape)
+        tables.append(tiles.table.host.shape)
     assert tables[0] == tables[1]
     assert tables[0][1] < 10 * 65
 

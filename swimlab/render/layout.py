@@ -1,0 +1,86 @@
+"""Which charts have targets, how large, and the order of their tiles in tables."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swimlab.render.kernels.tiles import TILE_LEVEL
+
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The order of tiles in a table: of each target an entry for its coarse levels, then one a tile, row by row.
+
+    segments: [n], the charts that have a target, rising. widths: [n], texels along each target, powers of two.
+    """
+
+    segments: NDArray[np.int64]
+    widths: Ints
+
+    @cached_property
+    def levels(self) -> Ints:
+        """Levels of each target."""
+        return np.frexp(self.widths)[1]
+
+    @cached_property
+    def tile_levels(self) -> Ints:
+        """The level of each target at which one texel covers one tile."""
+        return np.minimum(self.levels - 1, np.int32(TILE_LEVEL))
+
+    @cached_property
+    def across(self) -> Ints:
+        """Tiles along each target."""
+        return self.widths >> self.tile_levels
+
+    @cached_property
+    def firsts(self) -> NDArray[np.int64]:
+        """Entry of each target's first tile."""
+        return np.cumsum(self.across.astype(np.int64) ** 2 + 1) - self.across**2
+
+    @cached_property
+    def entries(self) -> int:
+        """Length of the table."""
+        return int(np.sum(self.across.astype(np.int64) ** 2 + 1))
+
+    @cached_property
+    def shapes(self) -> Ints:
+        """[n, 4], as kernels take them (see Atlas)."""
+        return np.stack([self.widths, self.levels, self.tile_levels, self.firsts], axis=1).astype(np.int32)
+
+    def of(self, target: int) -> slice:
+        """The entries of a target's tiles."""
+        first = int(self.firsts[target])
+        return slice(first, first + int(self.across[target]) ** 2)
+
+    @cached_property
+    def places(self) -> Ints:
+        """[n], each target's own place."""
+        return np.arange(len(self.widths), dtype=np.int32)
+
+    def has(self, segments: NDArray[np.int64], widths: Ints) -> bool:
+        """Whether it is the layout of these."""
+        return np.array_equal(self.segments, segments) and np.array_equal(self.widths, widths)
+
+
+def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:
+    """Of each target of a layout its place in another, -1 where that has none as large; and the other way round."""
+    if now is last:
+        return now.places, now.places
+    place = placed(now.segments, last.segments)
+    found = np.flatnonzero(place >= 0)
+    found = found[last.widths[place[found]] == now.widths[found]]
+    before, after = np.full(len(now.widths), -1, np.int32), np.full(len(last.widths), -1, np.int32)
+    before[found], after[place[found]] = place[found], found
+    return before, after
+
+
+def placed(wanted: NDArray[np.int64], known: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The place of each wanted number among known ones, which rise, or -1."""
+    if len(known) == 0:
+        return np.full(len(wanted), -1)
+    place = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+    return np.where(known[place] == wanted, place, -1)
