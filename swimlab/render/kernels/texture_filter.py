@@ -67,18 +67,7 @@ ANISOTROPIC_PROBES = """
 """
 
 
-class Addresses(NamedTuple):
-    """C++ that finds the texels of a chain.
-
-    code: declares `address(o, i)`, which locates the texels of all lanes' probes i on their first or second level o.
-    texel: the index of texel `which` of lane k on level o.
-    """
-
-    code: str
-    texel: str
-
-
-_ADDRESSES = """
+OF_CHAIN = """
     // Of each lane's two levels: size, index of the first texel, and what the second weighs.
     float wide[2][LANES], high[2][LANES], blend[LANES], share[LANES];
     int right[2][LANES], low[2][LANES], start[2][LANES];
@@ -126,17 +115,17 @@ BESIDE
     };
     auto address = [&](int o, float i) { if (clamps) locate_all(o, i, clamped); else locate_all(o, i, repeated); };
 """
+"""C++ that finds the texels of a chain: `address(o, i)` says where in memory the four of each lane's probe i on its
+first or second level o lie: at[o][0..3][k], for lanes that have so many probes."""
 
-OF_CHAIN = Addresses(_ADDRESSES, "at[o][which][k]")
 
-
-def _part(name: str, kind: str, first: int, width: int, texel: str) -> tuple[str, str, str]:
+def _part(name: str, kind: str, first: int, width: int) -> tuple[str, str, str]:
     """Code for floats `first`... of texels of `width`, as vectors `kind`: sums, a bilinear tap, adding a probe."""
     sums = f"    {kind} sum_{name}[{LANES}];\n"
     tap = f"""
     auto tap_{name} = [&](int o, int k) -> {kind} {{
         auto read = [&](int which) -> {kind} {{
-            return *(const {kind}*)(data + (long)({texel})*{width} + {first});
+            return *(const {kind}*)(data + (long long)at[o][which][k]*{width} + {first});
         }};
         const float a = across[o][k], b = down[o][k];
         const {kind} m = read(0)*(1.0f - a) + read(1)*a, n = read(2)*(1.0f - a) + read(3)*a;
@@ -210,7 +199,7 @@ def filter_of(
     plain: wp.Function,
     probes: str,
     width: int,
-    addresses: Addresses = OF_CHAIN,
+    addresses: str = OF_CHAIN,
     shape: Any = Chain,
     beside: Beside = NOTHING,
 ) -> Twins:
@@ -225,9 +214,7 @@ def filter_of(
         else f"    typedef float {kind};\n"
         for _, kind, _, floats in parts
     )
-    sums, taps, adds = zip(
-        *(_part(name, kind, first, width, addresses.texel) for name, kind, first, _ in parts), strict=True
-    )
+    sums, taps, adds = zip(*(_part(name, kind, first, width) for name, kind, first, _ in parts), strict=True)
     native = f"""
 {types}
     const float* __restrict data = (const float*)texels.data;
@@ -240,7 +227,7 @@ def filter_of(
 {LOG2}
 {probes.replace("LANES", str(LANES))}
 {declared}
-{addresses.code.replace("LANES", str(LANES)).replace("BESIDE", located)}
+{addresses.replace("LANES", str(LANES)).replace("BESIDE", located)}
 {"".join(sums)}
 {"".join(taps)}
     for (int i = 0; i < most; ++i) {{

@@ -83,20 +83,27 @@ PROBES
     const int tile_level = pages.tile_level, tiles = pages.width >> tile_level, full = pages.width;
     const float coarsest = (float)(pages.levels - 1);
     int* __restrict wanted = need.data + pages.first;
-    int level[2][LANES], key[LANES], before[2][LANES], both[LANES], probes = 1, blended = 0;
+    // Lanes are taken in whole vectors, which is faster: those beyond `count` have no probes.
+    const int padded = (count + 15) & ~15;
+    for (int k = count; k < padded; ++k) number[k] = 0, lod[k] = fu[k] = fv[k] = su[k] = sv[k] = 0.0f;
+    int level[2][LANES], finest[2][LANES + 1], asks[2][LANES + 1], key[LANES + 1], before[2][LANES];
+    int probes = 1, blended = 0;
     #pragma clang loop vectorize(assume_safety)
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < padded; ++k) {
         const float l = lod[k] > 0.0f ? (lod[k] < coarsest ? lod[k] : coarsest) : 0.0f;
-        level[0][k] = (int)l;
-        both[k] = l - (float)level[0][k] > 1.0e-6f;
-        level[1][k] = level[0][k] + both[k];
+        const int finer = (int)l, both = l - (float)finer > 1.0e-6f, coarser = finer + both;
+        level[0][k] = finer; level[1][k] = coarser;
+        finest[0][k + 1] = finer < tile_level ? finer : tile_level;
+        finest[1][k + 1] = coarser < tile_level ? coarser : tile_level;
+        asks[0][k + 1] = number[k]; asks[1][k + 1] = both ? number[k] : 0;
         probes = number[k] > probes ? number[k] : probes;
-        blended |= both[k];
+        blended |= both;
     }
-    // The tiles that a sample touches, first and last column and row, in one number.
+    key[0] = asks[0][0] = asks[1][0] = finest[0][0] = finest[1][0] = 0;
     for (int i = 0; i < probes; ++i) for (int o = 0; o <= blended; ++o) {
+        // The tiles that a sample touches, first and last column and row, in one number.
         #pragma clang loop vectorize(assume_safety)
-        for (int k = 0; k < count; ++k) {
+        for (int k = 0; k < padded; ++k) {
             const int l = level[o][k], r = (full >> l) - 1;
             const float w = (float)(r + 1);
             const int left = (int)__builtin_floorf((fu[k] + su[k]*(float)i)*w - 0.5f), right = left + 1;
@@ -105,22 +112,30 @@ PROBES
             const int b0 = top < 0 ? 0 : top > r ? r : top, b1 = low < 0 ? 0 : low > r ? r : low;
             const unsigned c0 = (a0 << l) >> tile_level, c1 = (((a1 + 1) << l) - 1) >> tile_level;
             const unsigned r0 = (b0 << l) >> tile_level, r1 = (((b1 + 1) << l) - 1) >> tile_level;
-            key[k] = (int)(c0 | c1 << 8 | r0 << 16 | r1 << 24);
+            key[k + 1] = (int)(c0 | c1 << 8 | r0 << 16 | r1 << 24);
         }
-        int done = 0, done_level = -1;
-        for (int k = 0; k < count; ++k) {
-            if (i >= number[k] || (o > 0 && !both[k]) || (i > 0 && key[k] == before[o][k])) continue;
-            before[o][k] = key[k];
-            const int finest = level[o][k] < tile_level ? level[o][k] : tile_level;
-            if (key[k] == done && finest == done_level) continue;
-            done = key[k]; done_level = finest;
-            const unsigned u = (unsigned)done;
-            for (unsigned j = u >> 16 & 255; j <= u >> 24; ++j)
-                for (unsigned c = u & 255; c <= (u >> 8 & 255); ++c)
-                    // Other threads lower the same levels, but rarely.
-                    for (int now = wanted[j*tiles + c]; now > finest;)
-                        if (__atomic_compare_exchange_n(wanted + j*tiles + c, &now, finest, true, __ATOMIC_RELAXED,
-                                                        __ATOMIC_RELAXED)) break;
+        // A lane's tiles are noted where neither its last probe nor the lane before it has noted the same.
+        unsigned char notes[LANES];
+        #pragma clang loop vectorize(assume_safety)
+        for (int k = 0; k < padded; ++k) {
+            const int same = (i < asks[o][k]) & (key[k + 1] == key[k]) & (finest[o][k + 1] == finest[o][k]);
+            notes[k] = (i < asks[o][k + 1]) & !same & ((i == 0) | (key[k + 1] != before[o][k]));
+            before[o][k] = key[k + 1];
+        }
+        for (int first = 0; first < padded; first += 16) {
+            unsigned long long some[2]; __builtin_memcpy(some, notes + first, 16);
+            if (!(some[0] | some[1])) continue;
+            for (int k = first; k < first + 16; ++k) {
+                if (!notes[k]) continue;
+                const unsigned u = (unsigned)key[k + 1];
+                const int level = finest[o][k + 1];
+                for (unsigned j = u >> 16 & 255; j <= u >> 24; ++j)
+                    for (unsigned c = u & 255; c <= (u >> 8 & 255); ++c)
+                        // Other threads lower the same levels, but rarely.
+                        for (int now = wanted[j*tiles + c]; now > level;)
+                            if (__atomic_compare_exchange_n(wanted + j*tiles + c, &now, level, true, __ATOMIC_RELAXED,
+                                                            __ATOMIC_RELAXED)) break;
+            }
         }
     }
 """
