@@ -20,6 +20,7 @@ from metrics.kernels.follow import steps
 from metrics.kernels.gains import FINEST, add_gains, mean_left, table, whole_octaves
 from metrics.kernels.interpolation import field_spline, picture_spline, taken
 from metrics.kernels.launch import Launcher
+from metrics.memory import unset
 from metrics.tiles import Level
 from metrics.transform import TileTransform
 
@@ -61,7 +62,7 @@ class Correspondence:
         height, width = geometry.shape
         holds = 8 * height * width * (stop - start) <= room
         self._sampled: list[Field] = []
-        self._first, self.usable, self._left = self._trace(later if holds else None)
+        self._first, self.usable, self._gains = self._trace(later if holds else None)
         usable, left = self.usable[::SAMPLED, ::SAMPLED], np.empty((len(self._sampled), FINEST))
 
         def sample(frame: int) -> None:
@@ -72,7 +73,7 @@ class Correspondence:
         self._sampled.clear()
         if holds:
             until_middle = islice(self.places(slice(0, height)), self._middle - start + 1)
-            self._held = [*(np.array(away) for away in until_middle), *later]
+            self._held = [*map(launcher.copied, until_middle), *later]
 
     def places(self, rows: slice) -> Iterator[Field]:
         """Frame by frame how far from each pixel of these rows of the middle frame its surface is, [rows, W, 2] px.
@@ -82,7 +83,7 @@ class Correspondence:
         if self._held:
             yield from (away[rows] for away in self._held)
             return
-        away = self._launcher.array(self._first[rows], wp.vec2)
+        away = self._launcher.view(self._launcher.copied(self._first[rows]), wp.vec2)
         moved, usable = self._launcher.zeros(away.shape, wp.vec2), self._launcher.empty(away.shape, wp.uint8)
         for t in range(self._start, self._stop):
             if t > self._start:
@@ -104,9 +105,16 @@ class Correspondence:
 
         Asked for once: pixel by pixel it is let go.
         """
-        planes = np.ascontiguousarray(np.moveaxis(self._left, 2, 0))
-        self._left = self._left[:0]
-        return [whole_octaves(TileTransform(level, (0.0, 0.0)).power_mean(planes)) for level in levels]
+        gains, frames = np.moveaxis(self._gains, 2, 0), np.float32(self._stop - self._start)
+        planes = unset(gains.shape, np.float32)
+
+        def mean(octave: int) -> None:
+            np.divide(gains[octave], frames, out=planes[octave])
+
+        self._launcher.each(range(len(planes)), mean)
+        del self._gains
+        transforms = (TileTransform(level, (0.0, 0.0)) for level in levels)
+        return [whole_octaves(transform.power_mean(planes, self._launcher)) for transform in transforms]
 
     def glue(self) -> Iterator[Field]:
         """Frame by frame how far the surface that each pixel sees is in the middle frame, [H, W, 2] px.
@@ -127,8 +135,8 @@ class Correspondence:
             yield away
 
     def _trace(self, later: list[Field] | None) -> tuple[Field, Mask, Field]:
-        """The places of the first frame, what is usable, and what is left of noise: from the middle frame backwards,
-        then forwards.
+        """The places of the first frame, what is usable, and what is left of noise, summed over the frames: from the
+        middle frame backwards, then forwards.
 
         later: takes the places of the frames after the middle one.
         """
@@ -145,7 +153,7 @@ class Correspondence:
             self._land(inner, away, usable)
             self._sum_gains(away, gains)
         self._sampled.reverse()
-        first = np.array(away.numpy())
+        first = launcher.copied(away.numpy())
         away.zero_()
         moved = launcher.zeros(shape, wp.vec2)
         for t in range(self._middle + 1, self._stop):
@@ -157,10 +165,8 @@ class Correspondence:
             self._land(self._inner(t, surface), away, usable)
             self._sum_gains(away, gains)
             if later is not None:
-                later.append(np.array(away.numpy()))
-        left = gains.numpy()
-        left /= np.float32(self._stop - self._start)
-        return first, usable.numpy().astype(bool), left
+                later.append(launcher.copied(away.numpy()))
+        return first, usable.numpy().astype(bool), gains.numpy()
 
     def _sum_gains(self, away: Any, gains: Any) -> None:
         launcher = self._launcher

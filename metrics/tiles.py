@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from metrics.kernels.blocks import add_squares
+from metrics.kernels.host import on_cpu
+
 SIZES = (64, 32, 16)
 """Tile sizes in px, the largest first."""
 
@@ -106,7 +109,7 @@ def lay(
         centre = (y + stands[index].first[0] + size // 2, x + stands[index].first[1] + size // 2)
         for larger in range(index):
             allowed &= ~stands[larger].around(*centre, SIZES[larger])
-        if allowed.size:
+        if levels and allowed.size:
             (top, *_), (left, *_) = (each.ravel() for each in centre)
             allowed &= weight[top : top + len(allowed), left : left + allowed.shape[1]] < _SPARSE
         if allowed.any():
@@ -179,7 +182,8 @@ def _apart(origin: NDArray[np.intp], size: int) -> Mask:
 
 
 def _add_weight(weight: NDArray[np.float64], level: Level) -> None:
-    profile = window(level.size, 0.0) ** 2
-    square = profile[:, None] * profile[None, :]
-    for y, x in level.origin:
-        weight[y : y + level.size, x : x + level.size] += square
+    profile, rows = window(level.size, 0.0) ** 2, np.arange(len(weight))
+    corners = level.origin.astype(np.int32, order="C")  # rising in y
+    crossing = [np.searchsorted(corners[:, 0], rows - off, side="right") for off in (level.size, 0)]
+    ranges = np.stack(crossing, axis=1).astype(np.int32)
+    on_cpu(add_squares, len(weight), [corners, ranges, profile[:, None] * profile[None, :], weight])

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from metrics.kernels.host import Dim, host_launch
 from metrics.kernels.making import MAKING
@@ -240,6 +241,17 @@ class Launcher:
     def array(self, values: Any, dtype: Any) -> Any:
         """A copy of values on the device."""
         return wp.array(values, dtype=dtype, device=self._on)
+
+    def copied(self, values: NDArray[Any]) -> NDArray[Any]:
+        """A copy of the host's array, made by all threads."""
+        held = unset(values.shape, values.dtype)
+
+        def copy(first: int) -> None:
+            rows = slice(first, first + STRIP_ROWS)
+            held[rows] = values[rows]
+
+        self.each(range(0, len(values), STRIP_ROWS), copy)
+        return held
 
     def shared(self, shape: tuple[int, ...], dtype: Any) -> Shared:
         """An array that the host and the device both work on, not set."""

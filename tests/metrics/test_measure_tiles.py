@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from metrics.clip import Clip
+from metrics.kernels.launch import Launcher
 from metrics.parts import pieces
 from metrics.spans import align
 from metrics.spectra import Batch, Course, Pictures, transforms
 from metrics.tiles import SIZES, lay, split, window
-from metrics.transform import energy
+from metrics.transform import TileTransform, energy
 
 
 def batches(span, t, pictures):
@@ -52,6 +53,24 @@ def test_tiles_stay_inside_and_covered_in_every_frame():
                 assert min(y, x) >= 0
                 assert mask[y : y + level.size, x : x + level.size].sum() == level.size**2
     assert weight.max() <= 2
+    summed = np.zeros_like(weight)
+    for level in levels:
+        profile = window(level.size, 0.0) ** 2
+        for y, x in level.origin:
+            summed[y : y + level.size, x : x + level.size] += np.outer(profile, profile)
+    assert np.array_equal(weight, summed)
+
+
+def test_the_mean_of_tiles_is_that_of_their_pixels_under_the_window(tolerance):
+    levels, _ = lay((90, 140), [(0.0, 0.0)], lambda _: None)
+    planes = np.random.default_rng(5).random((2, 90, 140), np.float32)
+    for level in levels:
+        square = np.outer(*[window(level.size, 0.0) ** 2] * 2)
+        with Launcher(threads=2) as launcher:
+            found = TileTransform(level, (0.0, 0.0)).power_mean(planes, launcher)
+        for (y, x), mean in zip(level.origin, found, strict=True):
+            block = planes[:, y : y + level.size, x : x + level.size]
+            assert mean == pytest.approx((block * square).sum(axis=(1, 2)) / square.sum(), rel=tolerance("single sums"))
 
 
 def test_small_tiles_are_laid_only_where_no_larger_one_could_stand():

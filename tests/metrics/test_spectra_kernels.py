@@ -20,7 +20,7 @@ def tiles(request):
 
 def spectra_of(transform, picture):
     """In double precision."""
-    blocks = transform.blocks(picture.astype(np.float64), slice(None))
+    blocks = transform.blocks(picture, slice(None)).astype(np.float64)
     size = transform.size
     k = np.meshgrid(np.fft.fftfreq(size), np.fft.rfftfreq(size), indexing="ij")
     twice = np.where(np.isin(np.arange(size // 2 + 1), (0, size // 2)), 1, np.sqrt(2))
