@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Jobs, Tiles
@@ -13,7 +14,7 @@ from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
-from swimlab.render.kernels.texture_space import NEVER, mark_with, marking, paste_with, see_charts
+from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, read_with
 from swimlab.render.kernels.tiles import light_tiles, reduce_coarse
 from swimlab.render.layout import placed
 from swimlab.render.shot import Shot
@@ -39,44 +40,42 @@ class Screen:
         self._charts: Charts | None = None
         self.segments, self.narrowest = np.zeros(0, np.int64), launcher.shared((0,), wp.float64)
 
-    @staticmethod
-    def of(shot: Shot, anisotropy: int) -> "Screen":
-        """The screen of one frame."""
-        screen = Screen(shot.launcher, anisotropy)
-        screen.see(shot)
-        return screen
+    def see(self, shot: Shot, tiles_of: Callable[[NDArray[np.int64]], Tiles]) -> Tiles:
+        """Rasterise a frame's screen once, and set what pasting reads of the tiles of some segments' charts.
 
-    def see(self, shot: Shot) -> None:
-        """Rasterise a frame's screen once."""
-        launcher, size, triangles = self._launcher, (shot.view.height, shot.view.width), shot.triangles
-        charts = charts_of(shot)
+        tiles_of: tiles of the charts with these numbers.
+        """
+        charts, size = charts_of(shot), (shot.view.height, shot.view.width)
         self.shot, self.grid = shot, shot.grid()
-        count = (len(charts.segments),)
         if self.visible.shape != size:
-            self.visible = launcher.empty(size, wp.int32)
-        if self._seen.host.shape != count:
-            self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
+            self.visible = self._launcher.empty(size, wp.int32)
+        if charts is not self._charts:
+            self._assign(charts)
         self._seen.fill(0)
-        inputs = [self.grid, triangles.edges, triangles.planes, triangles.bounds]
-        launcher.over(size[0], see_charts, (), [*inputs, charts.owners, self.visible, self._seen.device])
+        tiles = tiles_of(self.segments)
+        self._read(tiles, draws=True)
         self._seen.fetch()
         self.shown = np.flatnonzero(self._seen.host)
-        if charts is not self._charts or self._targets.host[self.shown].min(initial=0) < 0:
-            self._assign(charts)
-        self.narrowest.host.fill(-1.0)
-        self.narrowest.host[self._targets.host[self.shown]] = charts.narrowest[self.shown]
-
-    def _assign(self, charts: Charts) -> None:
-        """See that each chart in sight has a target."""
-        self._charts = None  # until it is so
-        known = charts.segments
-        seen = known[self.shown]
-        if not np.isin(seen, self.segments).all():
+        if self._targets.host[self.shown].min(initial=0) < 0:
+            seen = charts.segments[self.shown]
             wanted = np.union1d(self.segments, seen)
             self.segments = wanted if len(wanted) <= MOST_TARGETS * len(seen) else seen
+            self._assign(charts)
+            tiles = tiles_of(self.segments)
+            self.mark(tiles)
+        self.narrowest.host.fill(-1.0)
+        self.narrowest.host[self._targets.host[self.shown]] = charts.narrowest[self.shown]
+        return tiles
+
+    def _assign(self, charts: Charts) -> None:
+        """Find the targets of a mesh's charts."""
+        self._charts = None  # until it is so
+        launcher, count = self._launcher, charts.segments.shape
+        if self._seen.host.shape != count:
+            self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
         if self.narrowest.host.shape != self.segments.shape:
-            self.narrowest = self._launcher.shared(self.segments.shape, wp.float64)
-        place = placed(self.segments, known)
+            self.narrowest = launcher.shared(self.segments.shape, wp.float64)
+        place = placed(self.segments, charts.segments)
         has = np.flatnonzero(place >= 0)
         self._targets.host.fill(-1)
         self._targets.host[place[has]] = has
@@ -84,12 +83,16 @@ class Screen:
         self._charts = charts
 
     def mark(self, tiles: Tiles) -> None:
-        """Set what pasting reads of each tile."""
+        """Set what pasting reads of other tiles, of the same charts."""
+        self._read(tiles, draws=False)
+
+    def _read(self, tiles: Tiles, *, draws: bool) -> None:
         launcher, shot, atlas = self._launcher, self.shot, tiles.atlas
         atlas.charts, atlas.targets = charts_of(shot).owners, self._targets.device
         tiles.need.fill(NEVER)
-        kernel = mark_with(marking(self.anisotropy).on(launcher.device))
-        inputs = [self.grid, self.visible, shot.triangles.planes, atlas, tiles.need.device]
+        kernel, triangles = read_with(marking(self.anisotropy).on(launcher.device)), shot.triangles
+        inputs = [draws, self.grid, triangles.edges, triangles.planes, triangles.bounds]
+        inputs += [self.visible, self._seen.device, atlas, tiles.need.device]
         launcher.over(shot.view.height, kernel, (), inputs)
         tiles.need.fetch()
 

@@ -43,7 +43,7 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     in the light of its own frame.
     """
     settings = TslSettings.model_validate(shot.sequence.techniques.get("tsl", {}))
-    tiles = planned(Screen.of(shot, settings.anisotropy), settings, Shelf(shot.launcher))
+    tiles = planned(Screen(shot.launcher, settings.anisotropy), shot, settings, Shelf(shot.launcher))
     lightings = [Lighting(shot, Ways(shot, inputs)) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []

@@ -27,7 +27,7 @@ wp.set_module_options({"enable_backward": False})
 class Atlas:
     """All targets of a frame: of each its texels a side, levels, `tile_level` and `first`; and `table`, as in Pages.
 
-    charts: the chart of each triangle of the scene. targets: the target of each chart, -1 where it is not in sight.
+    charts: the chart of each triangle of the scene. targets: the target of each chart, -1 where it has none.
     """
 
     shapes: wp.array(dtype=wp.vec4i)
@@ -187,48 +187,34 @@ def unpremultiplication() -> Twins:
     return Twins(divide, UNPREMULTIPLY, 4)
 
 
-@wp.kernel(enable_backward=False)
-def see_charts(
-    first_row: wp.int32,
-    grid: Grid,
-    edges: wp.array(dtype=Edges),
-    planes: wp.array(dtype=Planes),
-    bounds: wp.array(dtype=wp.vec2d),
-    charts: wp.array(dtype=wp.int32),
-    visible: wp.array2d(dtype=wp.int32),
-    seen: wp.array(dtype=wp.int32),
-):
-    """Fill rows of a visibility buffer, one thread a row; `seen`, 0 before, gets 1 for each chart in them."""
-    j = first_row + wp.tid()
-    see_row(j, j, grid, edges, planes, bounds, visible)
-    x = wp.int32(0)
-    while x < grid.width:
-        if visible[j, x] >= 0:
-            seen[charts[visible[j, x]]] = 1
-        x = packet_end(visible, j, x, grid.width)
-
-
 LIGHT_LANES = LANES * rows_of(4)
 
 
 @made_once
-def mark_with(mark: wp.Function) -> wp.Kernel:
-    """The kernel that notes all texels that pasting some rows of a picture reads, one thread a row.
+def read_with(mark: wp.Function) -> wp.Kernel:
+    """The kernel that finds what rows of a picture show, and notes all texels that pasting them reads; a row a thread.
 
-    need: of each tile the finest level that is read, NEVER before.
+    visible: the triangle that each pixel sees, which is found where `draws` is set. seen: of each chart, 0 before, 1
+    where one of these rows shows it. need: of each tile the finest level that is read, NEVER before.
     """
     locate = locate_before(4).native
 
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first_row: wp.int32,
+        draws: wp.bool,
         grid: Grid,
-        visible: wp.array2d(dtype=wp.int32),
+        edges: wp.array(dtype=Edges),
         planes: wp.array(dtype=Planes),
+        bounds: wp.array(dtype=wp.vec2d),
+        visible: wp.array2d(dtype=wp.int32),
+        seen: wp.array(dtype=wp.int32),
         atlas: Atlas,
         need: wp.array(dtype=wp.int32),
     ):
         j = first_row + wp.tid()
+        if draws:
+            see_row(j, j, grid, edges, planes, bounds, visible)
         lanes = wp.zeros(shape=(LIGHT_LANES,), dtype=wp.float32)
         places = wp.zeros(shape=(PLACES,), dtype=wp.float64)
         x = wp.int32(0)
@@ -236,8 +222,12 @@ def mark_with(mark: wp.Function) -> wp.Kernel:
             triangle = visible[j, x]
             stop = packet_end(visible, j, x, grid.width)
             if triangle >= 0:
-                locate(planes[triangle], grid, x, j, stop - x, places, lanes)
-                mark(pages_of(atlas, atlas.targets[atlas.charts[triangle]]), places, stop - x, need)
+                chart = atlas.charts[triangle]
+                target = atlas.targets[chart]
+                seen[chart] = 1
+                if target >= 0:
+                    locate(planes[triangle], grid, x, j, stop - x, places, lanes)
+                    mark(pages_of(atlas, target), places, stop - x, need)
             x = stop
 
     return kernel

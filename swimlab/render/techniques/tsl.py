@@ -15,7 +15,6 @@ from pydantic import Field, field_validator
 from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
-from swimlab.render.layout import Ints
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
@@ -57,22 +56,18 @@ class TslSettings(Settings):
         return size
 
 
-def planned(screen: Screen, settings: TslSettings, shelf: Shelf) -> Tiles:
+def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    sizes = np.full(len(screen.segments), settings.size, np.int32)
-    tiles = read(screen, settings, shelf, sizes)
+    shading = SHADING[settings.texels]
+    tiles = screen.see(shot, lambda segments: shelf.tiles(segments, np.full(len(segments), settings.size, np.int32)))
+    tiles.choose(shot.launcher, screen.narrowest, shading)
     if settings.sizes == "fitted":
+        sizes = tiles.layout.widths
         fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
         if not np.array_equal(fitted, sizes):
-            tiles = read(screen, settings, shelf, fitted)
-    return tiles
-
-
-def read(screen: Screen, settings: TslSettings, shelf: Shelf, sizes: Ints) -> Tiles:
-    """The tiles of targets of some sizes, and what of them is read and shaded."""
-    tiles = shelf.tiles(screen.segments, sizes)
-    screen.mark(tiles)
-    tiles.choose(screen.shot.launcher, screen.narrowest, SHADING[settings.texels])
+            tiles = shelf.tiles(screen.segments, fitted)
+            screen.mark(tiles)
+            tiles.choose(shot.launcher, screen.narrowest, shading)
     return tiles
 
 
@@ -98,10 +93,9 @@ class Targets:
         if not self._begun:
             self._begin(shot, settings)
         screen, epochs, pool = self._screen, self._epochs, self._pool
-        screen.see(shot)
+        tiles = planned(screen, shot, settings, self._shelf)
         if len(screen.shown) == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        tiles = planned(screen, settings, self._shelf)
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}

@@ -65,8 +65,8 @@ def reuse_study(stage: Stage, *, rounds: int) -> dict[str, Row]:
 
 def late(shot: Shot, settings: TslSettings) -> Image:
     """A frame under the light of the frame before: its eye and its sun, seen from where the camera is now."""
-    screen, pool, before = Screen.of(shot, settings.anisotropy), Pool(shot.launcher), shot.at(shot.frame - 1)
-    tiles = planned(screen, settings, Shelf(shot.launcher))
+    screen, pool, before = Screen(shot.launcher, settings.anisotropy), Pool(shot.launcher), shot.at(shot.frame - 1)
+    tiles = planned(screen, shot, settings, Shelf(shot.launcher))
     tiles.table.host[EPOCH] = before.frame
     jobs = pool.place(tiles, [0], before.frame, Held.nothing(shot.launcher))
     lights = Lighting(before, Ways(before, INPUTS[settings.inputs])).of(jobs, tiles, pool.texels)

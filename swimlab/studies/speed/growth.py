@@ -8,8 +8,10 @@ import numpy as np
 
 from metrics.kernels.launch import Launcher
 from sequences import Sequence as Scenery
+from swimlab.render.atlas import Shelf
 from swimlab.render.material import Material
 from swimlab.render.target import Screen
+from swimlab.render.techniques.tsl import TslSettings, planned
 from swimlab.report.charts import Axis, Line, line_chart
 from swimlab.studies.page import Cell, Section, Table
 from swimlab.studies.panels import Panel, panels
@@ -127,7 +129,10 @@ def _pixels(stage: Stage) -> float:
 
 
 def _segments(stage: Stage) -> float:
-    return float(len(Screen.of(stage.shot(0), 1).shown))
+    shot = stage.shot(0)
+    screen = Screen(shot.launcher, 1)
+    planned(screen, shot, TslSettings(size=16), Shelf(shot.launcher))
+    return float(len(screen.shown))
 
 
 TITLES = {

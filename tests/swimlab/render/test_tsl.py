@@ -21,6 +21,12 @@ SHORT = load("road-shift").with_changes(
 )
 
 
+def seen(shot, size=16):
+    """A screen that has seen one frame, and the tiles that it reads."""
+    screen = Screen(shot.launcher, 16)
+    return screen, tsl.planned(screen, shot, tsl.TslSettings(size=size), Shelf(shot.launcher))
+
+
 def matte(albedo):
     """Maps [h, w, 8] of an albedo [h, w, 3] with flat normals and no highlight."""
     rest = np.broadcast_to([0.0, 0.0, 1.0, 0.0, 0.0], (*albedo.shape[:2], 5))
@@ -95,10 +101,10 @@ def test_only_segments_in_sight_are_lit(shoot, render, maps):
     sequence = SHORT.with_changes(camera={"pitch": -30.0, "yaw": 20.0, "distance": 100.0})
     oracle = Oracle(sequence, maps, 0)
     hit, _, uv, _, _ = oracle.surface(*oracle.centres())
-    seen = np.unique(np.floor(uv[..., 1][hit])).tolist()
-    assert Screen.of(shoot(sequence), 1).segments.tolist() == seen
-    assert len(seen) < 4
-    whole = 16 * 16 * len(seen)
+    in_sight = np.unique(np.floor(uv[..., 1][hit])).tolist()
+    assert seen(shoot(sequence))[0].segments.tolist() == in_sight
+    assert len(in_sight) < 4
+    whole = 16 * 16 * len(in_sight)
     assert 0.5 * whole < render(shoot(sequence), "tsl", size=16).shaded <= whole
 
 
@@ -106,15 +112,16 @@ def test_only_segments_in_sight_are_lit(shoot, render, maps):
 def test_charts_that_come_and_go_keep_their_targets(shoot, render, texels):
     """Far charts are narrower than a pixel. Those out of sight are not lit, and change nothing."""
     sequence, given = load("road-shift").with_changes(size=(96, 54)), {"size": 64, "texels": texels}
-    screen, renderer, idle = Screen(shoot(sequence).launcher, 16), tsl.Targets(), 0
+    launcher, settings = shoot(sequence).launcher, tsl.TslSettings(**given)
+    screen, shelf, renderer, idle = Screen(launcher, 16), Shelf(launcher), tsl.Targets(), 0
     for frame in range(8):
         shot = shoot(sequence, frame)
-        screen.see(shot)
-        seen, targets = set(Screen.of(shot, 16).segments.tolist()), screen.segments.tolist()
-        assert seen <= set(targets)
-        assert len(targets) <= MOST_TARGETS * len(seen)
-        idle += len(targets) - len(seen)
-        kept, plain = renderer(shot, tsl.TslSettings(**given)), render(shot, "tsl", **given)
+        tsl.planned(screen, shot, settings, shelf)
+        in_sight, targets = set(seen(shot)[0].segments.tolist()), screen.segments.tolist()
+        assert in_sight <= set(targets)
+        assert len(targets) <= MOST_TARGETS * len(in_sight)
+        idle += len(targets) - len(in_sight)
+        kept, plain = renderer(shot, settings), render(shot, "tsl", **given)
         assert kept.rgba.tobytes() == plain.rgba.tobytes()
         assert kept.shaded == plain.shaded
     assert idle > 0
@@ -126,7 +133,7 @@ def test_road_out_of_sight_costs_nothing(shoot):
     for length in (300.0, 30000.0):
         sequence = SHORT.with_changes(scene={"road": {"length": length}}, camera={"pitch": -30.0})
         shot = shoot(sequence)
-        tiles = tsl.planned(Screen.of(shot, 16), tsl.TslSettings(size=256), Shelf(shot.launcher))
+        _, tiles = seen(shot, 256)
         assert len(np.unique(shot.mesh.segments)) > length / 8
         tables.append(tiles.table.host.shape)
     assert tables[0] == tables[1]
