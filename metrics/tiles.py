@@ -186,4 +186,4 @@ def _add_weight(weight: NDArray[np.float64], level: Level) -> None:
     corners = level.origin.astype(np.int32, order="C")  # rising in y
     crossing = [np.searchsorted(corners[:, 0], rows - off, side="right") for off in (level.size, 0)]
     ranges = np.stack(crossing, axis=1).astype(np.int32)
-    on_cpu(add_squares, len(weight), [corners, ranges, profile[:, None] * profile[None, :], weight])
+    on_cpu(add_squares(), len(weight), [corners, ranges, profile[:, None] * profile[None, :], weight])

@@ -111,7 +111,24 @@ def by_strip(launcher, shoot, add, width):
     yield power
 
 
+def laid_over(launcher, shoot, add, width):
+    """Rows of a picture that one block crosses, and rows that two do, one over the other."""
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        corners: wp.array2d(dtype=wp.int32), square: wp.array2d(dtype=wp.float64), total: wp.array2d(dtype=wp.float64)
+    ):
+        y = 2 + wp.tid()
+        add(y, 0, wp.where(y < 4, 1, 2), corners, square, total)
+
+    random, total = np.random.default_rng(0), np.zeros((9, 31))
+    launcher.launch(kernel, 4, [np.array([[2, 3], [4, 11]], np.int32), random.random((6, 17)), total])
+    assert (total > 0).sum() == 2 * 17 + 2 * 25
+    yield total
+
+
 RUNS = {
+    ("y", "begin", "end", "corners", "square", "total"): laid_over,
     ("index", "picture", "corners", "window", "levelling", "down", "right", "spectra", "mean"): transformed,
     ("tile", "spectra", "octaves", "energies"): summed,
     ("tile", "spectra", "before", "mean", "share", "octaves", "energies"): followed,

@@ -2,6 +2,9 @@
 
 import warp as wp
 
+from metrics.kernels.forms import Twins, form
+from metrics.kernels.making import made_once
+
 wp.set_module_options({"enable_backward": False})
 
 
@@ -36,28 +39,44 @@ ADD = """
 """
 
 
-@wp.func_native(ADD)
-def add_row(
-    y: wp.int32,
-    begin: wp.int32,
-    end: wp.int32,
-    corners: wp.array2d(dtype=wp.int32),
-    square: wp.array2d(dtype=wp.float64),
-    total: wp.array2d(dtype=wp.float64),
-):
-    """Add rows of a square to row y, at corners begin ... end. All lie in one piece."""
+@form()
+def adding() -> Twins:
+    """The function that adds rows of a square to row y, at corners begin ... end. All lie in one piece."""
+
+    @wp.func(module="unique")
+    def add(
+        y: wp.int32,
+        begin: wp.int32,
+        end: wp.int32,
+        corners: wp.array2d(dtype=wp.int32),
+        square: wp.array2d(dtype=wp.float64),
+        total: wp.array2d(dtype=wp.float64),
+    ):
+        for n in range(begin, end):
+            row = y - corners[n, 0]
+            for column in range(square.shape[1]):
+                x = corners[n, 1] + column
+                total[y, x] = total[y, x] + square[row, column]  # += would be atomic
+
+    return Twins(add, ADD)
 
 
-@wp.kernel
-def add_squares(
-    corners: wp.array2d(dtype=wp.int32),
-    ranges: wp.array2d(dtype=wp.int32),
-    square: wp.array2d(dtype=wp.float64),
-    total: wp.array2d(dtype=wp.float64),
-):
-    """Add a square [L, L] to a picture [H, W] at each of some corners (y, x), in their order; one thread a row.
+@made_once
+def add_squares() -> wp.Kernel:
+    """The kernel that adds a square [L, L] to a picture [H, W] at each of some corners (y, x), in their order.
 
-    ranges: of each row the first corner whose square it crosses, and one past the last.
+    One thread a row. ranges: of each row the first corner whose square it crosses, and one past the last.
     """
-    y = wp.tid()
-    add_row(y, ranges[y, 0], ranges[y, 1], corners, square, total)
+    add = adding().native
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(
+        corners: wp.array2d(dtype=wp.int32),
+        ranges: wp.array2d(dtype=wp.int32),
+        square: wp.array2d(dtype=wp.float64),
+        total: wp.array2d(dtype=wp.float64),
+    ):
+        y = wp.tid()
+        add(y, ranges[y, 0], ranges[y, 1], corners, square, total)
+
+    return kernel
