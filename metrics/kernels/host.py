@@ -15,9 +15,7 @@ from metrics.kernels.making import MAKING
 from metrics.kernels.starting import start_warp
 
 Dim = int | tuple[int, ...]
-Kind = tuple[Any, int]
 NUMBERS = (int, float)
-ARRAYS: Any = (wp.array, np.ndarray)
 
 
 def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
@@ -29,8 +27,8 @@ def on_cpu(kernel: wp.Kernel, dim: int, inputs: Sequence[Any]) -> None:
 def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaunch":
     """A launch that is ready to be started.
 
-    inputs: Warp's arrays on the CPU and structures, the host's contiguous arrays, numbers. Raises TypeError for one
-    that is not of the kind that it was in the kernel's first launch.
+    inputs: Warp's arrays on the CPU and structures, the host's contiguous arrays (vectors have an axis more, matrices
+    two), numbers. Raises TypeError for one of another kind than the kernel takes.
     """
     loaded = _LOADED.get(kernel)
     if loaded is None:
@@ -81,7 +79,7 @@ class Loaded:
         command = wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu", record_cmd=True)
         self.kernel, self.function = kernel, command.hooks.forward
         self.address: Any = ctypes.cast(self.function, ctypes.c_void_p).value
-        self._kinds, self._forms = [_kind(value) for value in inputs], [type(value) for value in command.params[1:]]
+        self._kinds, self._forms = _kinds(kernel), [type(value) for value in command.params[1:]]
         fields = [(f"_{k}", form) for k, form in enumerate(self._forms)]
         self._structure: Any = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
         # The arrays of the first launch are not held.
@@ -105,20 +103,45 @@ class Loaded:
 _LOADED: dict[wp.Kernel, Loaded] = {}
 
 
-def _kind(value: Any) -> Kind | None:
-    """Type and dimensions of an array; None for what is none."""
-    return (value.dtype, value.ndim) if isinstance(value, ARRAYS) else None
+class Kind(NamedTuple):
+    """Of an array, Warp's type and its dimensions, and NumPy's number (None for structures) and its dimensions."""
+
+    dtype: Any
+    ndim: int
+    number: Any
+    axes: int
 
 
-def _formed(value: Any, kind: Kind | None, form: Any) -> Any:
+def _kinds(kernel: wp.Kernel) -> list[Kind | None]:
+    """What arrays a kernel takes; None for what is none."""
+    given: list[Any] = [argument.type for argument in kernel.adj.args]
+    return [_kind(each.dtype, each.ndim) if isinstance(each, wp.array) else None for each in given]
+
+
+def _kind(dtype: Any, ndim: int) -> Kind:
+    to_numpy: Any = wp.dtype_to_numpy
+    try:
+        number = np.dtype(to_numpy(getattr(dtype, "_wp_scalar_type_", dtype)))
+    except TypeError:
+        number = None
+    return Kind(dtype, ndim, number, ndim + len(getattr(dtype, "_shape_", ())))
+
+
+def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
     """A value as a field of some form takes it. Raises TypeError for an array of another kind than the field's."""
-    if kind is None and isinstance(value, NUMBERS):
-        return value
-    if _kind(value) != kind or (isinstance(value, np.ndarray) and not value.flags.c_contiguous):
-        raise TypeError(f"{value!r}: the kernel takes {kind} in one piece")
-    if isinstance(value, np.ndarray):
-        place, shape, strides = value.ctypes.data, value.shape, value.strides
-        return form(data=place, grad=0, ndim=value.ndim, shape=shape, strides=strides)
-    if isinstance(value, np.generic):
-        return value.item()
-    return value.__ctype__() if hasattr(value, "__ctype__") else value
+    value: Any = given
+    if kind is None:
+        if isinstance(value, NUMBERS):
+            return value
+        if isinstance(value, np.generic):
+            return value.item()
+        return value.__ctype__() if hasattr(value, "__ctype__") else value
+    if isinstance(given, np.ndarray):
+        if value.dtype == kind.number and value.ndim == kind.axes and value.flags.c_contiguous:
+            return form(data=value.ctypes.data, ndim=value.ndim, shape=value.shape, strides=value.strides)
+    elif isinstance(given, wp.array) and value.dtype == kind.dtype and value.ndim == kind.ndim:
+        return value.__ctype__()
+    numbers = "" if kind.number is None else f" or {kind.number} of {kind.axes} dimensions"
+    raise TypeError(
+        f"{value!r}: the kernel takes {kind.dtype.__name__} of {kind.ndim} dimensions{numbers}, in one piece"
+    )

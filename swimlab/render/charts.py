@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.layout import Ints, Layout, placed
-from swimlab.render.mesh import Doubles, Mesh
+from swimlab.render.mesh import Doubles, Mesh, charts_in
 from swimlab.render.shot import Kept, Shot
 from swimlab.render.triangles import Triangles, set_up
 
@@ -41,9 +41,10 @@ class Charts:
     def of(launcher: Launcher, mesh: Mesh) -> "Charts":
         """All charts of a mesh."""
         chosen = np.flatnonzero(mesh.facing)
-        segments, first, owners = np.unique(mesh.segments[chosen], return_index=True, return_inverse=True)
+        segments, first = charts_in(mesh.segments[chosen])
+        ranges = np.stack([first, np.append(first, len(chosen))[1:]], axis=1).astype(np.int32)
         of_all = np.full(len(mesh.segments), -1, np.int32)
-        of_all[chosen] = owners
+        of_all[chosen] = np.repeat(np.arange(len(first)), ranges[:, 1] - ranges[:, 0])
         corners = mesh.uv[mesh.triangles[chosen]]
         low, high = corners.min(axis=1), corners.max(axis=1)
         extent = np.min(high - low, axis=1)
@@ -53,7 +54,7 @@ class Charts:
             mesh,
             chosen,
             segments,
-            np.stack([first, np.append(first, len(chosen))[1:]], axis=1).astype(np.int32),
+            ranges,
             np.minimum.reduceat(low, first) if some else low,
             np.maximum.reduceat(high, first) if some else high,
             np.minimum.reduceat(extent, first) if some else extent,
@@ -74,7 +75,7 @@ class Charts:
             widened[has] = np.any((self.high - self.low)[place[has]] < 1 / layout.widths[has, None], axis=1)
             texels[place[widened]] = 1 / layout.widths[widened]
         triangles = self._kept.get("triangles", texels.tobytes(), lambda: self._set_up(texels))
-        return Drawn(self.launcher.view(ranges, wp.vec2i), widened, triangles)
+        return Drawn(self.launcher.lent(ranges, wp.vec2i), widened, triangles)
 
     def _set_up(self, texels: Doubles) -> Triangles:
         """texels: the side of one of each chart that is widened, else 0."""
@@ -91,8 +92,8 @@ class Charts:
 class Drawn(NamedTuple):
     """Charts in targets. One narrower than a texel, which might hold no texel's centre, is widened about its middle.
 
-    ranges: [n] on the device, of each target the first of its triangles and one past the last. widened: [n], whether
-    its chart is. triangles: of all charts, ready for the rasteriser.
+    ranges: [n], as launches take it, of each target the first of its triangles and one past the last. widened: [n],
+    whether its chart is. triangles: of all charts, ready for the rasteriser.
     """
 
     ranges: Any

@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import ceil, floor
 from typing import NamedTuple
 
@@ -31,8 +31,8 @@ class Mesh:
         its own, its unique atlas coordinate too.
     slope: [N], dz/dy of the road.
     triangles: [M, 3], indices of vertices, counter-clockwise seen from above.
-    segments: [M], the chart each triangle belongs to: the road's segments, counted along the road from y = 0, come
-        first and have the lowest numbers; each wire and post has charts of its own.
+    segments: [M], the chart each triangle belongs to, rising: the road's segments, counted along the road from y = 0,
+        come first; each wire and post has charts of its own.
     loose: [M], whether the triangle lies over others, so that leaving it out tears no hole.
     """
 
@@ -50,6 +50,12 @@ class Mesh:
         p, q = b - a, c - a
         volume = (p[1] * q[2] - p[2] * q[1]) * a[0] + (p[2] * q[0] - p[0] * q[2]) * a[1]
         return np.asarray(volume + (p[0] * q[1] - p[1] * q[0]) * a[2] < 0.0)
+
+
+def charts_in(segments: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The charts that triangles belong to, rising, and the place of the first triangle of each."""
+    first = np.flatnonzero(np.diff(segments, prepend=segments[:1] - 1))
+    return segments[first], first
 
 
 class Ribbon(NamedTuple):
@@ -126,23 +132,44 @@ def tessellation(road: Road) -> tuple[int, int]:
 
 
 class Rows(NamedTuple):
-    """Rows of vertices across a ribbon, nearest first: the segment that each belongs to, and v there, 0..1."""
+    """Rows of vertices across a ribbon, nearest first.
 
+    lengths: how many rows each segment has. segment, v: of each row, the segment that it belongs to, and v there, 0..1.
+    """
+
+    lengths: tuple[int, ...]
     segment: NDArray[np.int64]
     v: Doubles
 
 
 def _rows(road: Road, along: int, segments: range, start: float, end: float) -> Rows:
-    """`along` quads a segment, cut at `start` and `end` (m along the road)."""
-    number = np.arange(segments.start, segments.stop)[:, None]
-    origin = number * road.segment
-    low = np.maximum(0.0, (start - origin) / road.segment)
-    high = np.minimum(1.0, (end - origin) / road.segment)
-    inner = np.broadcast_to(np.arange(along + 1) / along, (len(segments), along + 1))
-    kept = np.ones((len(segments), along + 3), bool)
-    kept[:, 1:-1] = (inner > low) & (inner < high)
-    v = np.concatenate([low, inner, high], axis=1)
-    return Rows(np.broadcast_to(number, v.shape)[kept], v[kept])
+    """`along` quads a segment, of which the first is cut at `start` and the last at `end` (m along the road)."""
+    whole = np.arange(along + 1) / along
+    low = max(0.0, (start - segments[0] * road.segment) / road.segment)
+    high = min(1.0, (end - segments[-1] * road.segment) / road.segment)
+    between = len(segments) - 2
+    if between < 0:
+        v = _cut(whole, low, high)
+        lengths: tuple[int, ...] = (len(v),)
+    else:
+        first, last = _cut(whole, low, 1.0), _cut(whole, 0.0, high)
+        v = np.concatenate([first, np.tile(whole, between), last])
+        lengths = (len(first), *(along + 1,) * between, len(last))
+    return Rows(lengths, np.repeat(np.arange(segments.start, segments.stop), lengths), v)
+
+
+def _cut(whole: Doubles, low: float, high: float) -> Doubles:
+    return np.concatenate([[low], whole[(whole > low) & (whole < high)], [high]])
+
+
+@lru_cache(maxsize=16)
+def _quads(lengths: tuple[int, ...], quads: int) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Triangles [M, 3] of a ribbon of `quads` quads across, and which of its segments each belongs to, 0 and on."""
+    segment, columns = np.repeat(np.arange(len(lengths)), lengths), quads + 1
+    joined = np.flatnonzero(segment[1:] == segment[:-1])
+    corner = (joined[:, None] * columns + np.arange(quads)).ravel()
+    square = np.array([0, 1, columns + 1, 0, columns + 1, columns])
+    return (corner[:, None] + square).reshape(-1, 3).astype(np.int32), np.repeat(segment[joined], 2 * quads)
 
 
 def _band(road: Road, camera: Camera, ribbon: Ribbon, rows: Rows, count: int, chart: int) -> Mesh:
@@ -159,15 +186,12 @@ def _band(road: Road, camera: Camera, ribbon: Ribbon, rows: Rows, count: int, ch
     uv = np.empty((len(y), columns, 2))
     uv[..., 0] = left + across * (right - left)
     uv[..., 1] = rows.v[:, None]
-    joined = np.flatnonzero(rows.segment[1:] == rows.segment[:-1])
-    corner = (joined[:, None] * columns + np.arange(ribbon.quads)).ravel() + count
-    square = np.array([0, 1, columns + 1, 0, columns + 1, columns])
-    triangles = (corner[:, None] + square).reshape(-1, 3).astype(np.int32)
+    triangles, segment = _quads(rows.lengths, ribbon.quads)
     return Mesh(
         positions=positions.reshape(-1, 3),
         uv=uv.reshape(-1, 2),
         slope=np.repeat(road.slope_at(y), columns),
-        triangles=triangles,
-        segments=np.repeat(rows.segment[joined] + chart, 2 * ribbon.quads),
+        triangles=triangles + np.int32(count),
+        segments=segment + (rows.segment[0] + chart),
         loose=np.full(len(triangles), ribbon.lift > 0.0),
     )

@@ -18,7 +18,8 @@ from swimlab.render.atlas import Held, Tiles
 from swimlab.render.kernels.epochs import follow
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.layout import Ints, Layout, matched
-from swimlab.render.shot import Shot
+from swimlab.render.mesh import charts_in
+from swimlab.render.shot import Kept, Shot
 
 
 class Pose(NamedTuple):
@@ -39,6 +40,7 @@ class Epochs:
         self._whole: dict[int, NDArray[np.int64]] = {}
         self._poses: dict[int, Pose] = {}
         self._numbers: dict[object, int] = {}
+        self._rows = Kept()
 
     def look(self, shot: Shot) -> None:
         """Make `shot` the present, and forget frames that are too old to matter."""
@@ -84,7 +86,7 @@ class Epochs:
         if self._tolerance == 0 or len(set(self.poses)) == 1:
             return
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
-        rows, places, before = rows_of(layout, last.layout, road)
+        rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
         whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
         for table in (tiles.table, last.table):
             table.send()
@@ -92,17 +94,17 @@ class Epochs:
             self.oldest,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.view(np.array([pose.eye for pose in self._window]), wp.vec3d),
-            launcher.view(np.array([pose.direction for pose in self._window], np.float32), wp.vec3),
-            launcher.view(whole, wp.bool),
+            launcher.lent(np.array([pose.eye for pose in self._window]), wp.vec3d),
+            launcher.lent(np.array([pose.direction for pose in self._window], np.float32), wp.vec3),
+            launcher.lent(whole, wp.bool),
             road.width,
-            launcher.view(rows, wp.vec4i),
-            launcher.view(places, wp.vec2d),
-            launcher.view(before, wp.int32),
+            launcher.lent(rows.targets, wp.vec4i),
+            launcher.lent(rows.places, wp.vec2d),
+            launcher.lent(rows.before, wp.int32),
             tiles.table.device,
             last.table.device,
         ]
-        launcher.over(len(rows), follow, (), inputs)
+        launcher.over(len(rows.before), follow, (), inputs)
         tiles.table.fetch()
 
     def _frames(self) -> range:
@@ -113,7 +115,7 @@ class Epochs:
         if frame not in self._whole:
             mesh = self.shot(frame).mesh
             road = ~mesh.loose
-            segments, first = np.unique(mesh.segments[road], return_index=True)
+            segments, first = charts_in(mesh.segments[road])
             v = mesh.uv[mesh.triangles[road], 1]
             whole = np.minimum.reduceat(v.min(axis=1), first) == 0.0
             whole &= np.maximum.reduceat(v.max(axis=1), first) == 1.0
@@ -122,8 +124,16 @@ class Epochs:
         return self._whole[frame]
 
 
-def rows_of(layout: Layout, last: Layout, road: Road) -> tuple[Ints, NDArray[np.float64], Ints]:
+class Rows(NamedTuple):
     """Rows of tiles of all targets: what `follow` takes as rows, places and before."""
+
+    targets: Ints
+    places: NDArray[np.float64]
+    before: Ints
+
+
+def rows_of(layout: Layout, last: Layout, road: Road) -> Rows:
+    """The rows of a layout, whose tiles were in the last one or not."""
     across = layout.across
     targets = np.repeat(np.arange(len(across)), across)
     count = across[targets]
@@ -133,4 +143,4 @@ def rows_of(layout: Layout, last: Layout, road: Road) -> tuple[Ints, NDArray[np.
     known = before >= 0
     before[known] = last.firsts[before[known]] + row[known] * count[known]
     rows = np.stack([targets, layout.firsts[targets] + row * count, count, row], axis=1)
-    return rows.astype(np.int32), np.stack([y, road.height_at(y)], axis=1), before
+    return Rows(rows.astype(np.int32), np.stack([y, road.height_at(y)], axis=1), before)

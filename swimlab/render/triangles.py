@@ -56,7 +56,7 @@ def on_screen(launcher: Launcher, mesh: Mesh, projection: Doubles, *, thinnest: 
     if thinnest > 0.0:
         slivers = facing & mesh.loose
         slivers[slivers] = _altitudes(points[mesh.triangles[slivers]]) < thinnest
-    triangles = set_up(launcher, points, mesh, np.arange(len(mesh.triangles)), drawn=facing & ~slivers)
+    triangles = set_up(launcher, points, mesh, drawn=facing & ~slivers)
     return replace(
         triangles, back_faces=len(facing) - int(np.count_nonzero(facing)), slivers=int(np.count_nonzero(slivers))
     )
@@ -66,20 +66,21 @@ def set_up(
     launcher: Launcher,
     points: Doubles,
     mesh: Mesh,
-    chosen: NDArray[np.int64],
+    chosen: NDArray[np.int64] | slice = slice(None),
     *,
     drawn: NDArray[np.bool_] | None = None,
 ) -> Triangles:
     """Edge functions and plane equations of the chosen triangles, as `set_up_triangles` has them.
 
     points: [N, 3], homogeneous image coordinates of the mesh's vertices. A triangle without area covers nothing, nor
-    does one that is not to be `drawn` ([len(chosen)]; default: all are): its place stays empty.
+    does one that is not to be `drawn` (of the chosen; default: all are): its place stays empty.
     """
-    inputs = [launcher.view(points, wp.vec3d), launcher.view(mesh.uv, wp.vec2d)]
-    inputs += [launcher.view(mesh.positions, wp.vec3d), launcher.view(mesh.slope, wp.float64)]
-    inputs += [launcher.view(mesh.triangles[chosen], wp.vec3i)]
-    inputs += [launcher.view(np.ones(len(chosen), bool) if drawn is None else drawn, wp.bool)]
-    ready, command = to_set_up(launcher, len(chosen), inputs)
+    corners = mesh.triangles[chosen]
+    inputs = [launcher.lent(points, wp.vec3d), launcher.lent(mesh.uv, wp.vec2d)]
+    inputs += [launcher.lent(mesh.positions, wp.vec3d), launcher.lent(mesh.slope, wp.float64)]
+    inputs += [launcher.lent(corners, wp.vec3i)]
+    inputs += [launcher.lent(np.ones(len(corners), bool) if drawn is None else drawn, wp.bool)]
+    ready, command = to_set_up(launcher, len(corners), inputs)
     launcher.start(command)
     return ready
 

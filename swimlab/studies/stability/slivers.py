@@ -56,7 +56,7 @@ def _strip(launcher: Launcher, width: float) -> Slivers:
     mesh = Mesh(points, uv, zero, triangles, np.zeros(len(triangles), np.int64), np.zeros(len(triangles), bool))
     grid: Any = Grid()
     grid.origin, grid.pitch, grid.width, grid.height = wp.vec2d(0.0, 0.0), wp.vec2d(1.0, 1.0), SIDE, SIDE
-    ready = set_up(launcher, points, mesh, np.arange(len(triangles)))
+    ready = set_up(launcher, points, mesh)
     visible = visibility(launcher, ready, grid, Strip(0, SIDE))
     found, dx, dy = (launcher.zeros((SIDE, SIDE), wp.vec2d) for _ in range(3))
     place = launcher.zeros((SIDE, SIDE), wp.vec3d)

@@ -122,7 +122,7 @@ def test_back_faces_are_drawn_neither_on_the_screen_nor_into_targets(shoot):
         y = (segment + np.arange(cut + 1) / cut) * scene.segment
         z = scene.height_at(y)
         faces = eye[2] > z[:-1] + (z[1:] - z[:-1]) / (y[1:] - y[:-1]) * (eye[1] - y[:-1])
-        first, stop = drawn_charts.ranges.numpy()[place].tolist()
+        first, stop = np.asarray(drawn_charts.ranges)[place].tolist()
         ready = drawn_charts.triangles
         triangles = Triangles(*(each[first:stop] for each in (ready.edges, ready.planes, ready.bounds)))
         grid = Grid()

@@ -39,7 +39,7 @@ def drawn(launcher, points, triangles, *, grid=None, strip=None):
         segments=np.zeros(len(triangles), np.int64),
         loose=np.zeros(len(triangles), bool),
     )
-    ready = set_up(launcher, points, mesh, np.arange(len(triangles)))
+    ready = set_up(launcher, points, mesh)
     grid = grid or grid_of()
     return visibility(launcher, ready, grid, strip or Strip(0, grid.height)).numpy()
 
