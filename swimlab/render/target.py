@@ -50,7 +50,7 @@ class Screen:
         if self.visible.shape != size:
             self.visible = self._launcher.empty(size, wp.int32)
         if charts is not self._charts:
-            self._assign(charts)
+            self._assign(charts, self.segments)
         self._seen.fill(0)
         tiles = tiles_of(self.segments)
         self._read(tiles, draws=True)
@@ -59,23 +59,23 @@ class Screen:
         if self._targets.host[self.shown].min(initial=0) < 0:
             seen = charts.segments[self.shown]
             wanted = np.union1d(self.segments, seen)
-            self.segments = wanted if len(wanted) <= MOST_TARGETS * len(seen) else seen
-            self._assign(charts)
+            self._assign(charts, wanted if len(wanted) <= MOST_TARGETS * len(seen) else seen)
             tiles = tiles_of(self.segments)
             self.mark(tiles)
         self.narrowest.host.fill(-1.0)
         self.narrowest.host[self._targets.host[self.shown]] = charts.narrowest[self.shown]
         return tiles
 
-    def _assign(self, charts: Charts) -> None:
-        """Find the targets of a mesh's charts."""
+    def _assign(self, charts: Charts, segments: NDArray[np.int64]) -> None:
+        """Give charts with these numbers a target, of which some may not be of this mesh."""
         self._charts = None  # until it is so
+        self.segments = segments
         launcher, count = self._launcher, charts.segments.shape
         if self._seen.host.shape != count:
             self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
-        if self.narrowest.host.shape != self.segments.shape:
-            self.narrowest = launcher.shared(self.segments.shape, wp.float64)
-        place = placed(self.segments, charts.segments)
+        if self.narrowest.host.shape != segments.shape:
+            self.narrowest = launcher.shared(segments.shape, wp.float64)
+        place = placed(segments, charts.segments)
         has = np.flatnonzero(place >= 0)
         self._targets.host.fill(-1)
         self._targets.host[place[has]] = has
