@@ -28,7 +28,8 @@ class Tiles:
     kernels take them.
 
     Tiles to be shaded, as `light_tiles` takes them: jobs, [entries, 4], of which so many are set; parted, the same,
-    those of one way behind those of another; tiles and kept, [entries]; lit, [entries], the texels of each of parted.
+    those of one way behind those of another; order and kept, [entries], its `tiles` and `kept`; lit, [entries], the
+    texels of each of parted.
     """
 
     def __init__(self, launcher: Launcher, layout: Layout) -> None:
@@ -38,16 +39,21 @@ class Tiles:
         self.finest = launcher.shared((len(layout.widths),), wp.int32)
         self.table, self._other = (launcher.shared((ROWS, *size), wp.int32) for _ in range(2))
         self.jobs, self.parted = (launcher.shared((*size, 4), wp.int32) for _ in range(2))
-        self.need, self.pages, self.tiles, self.kept, self.lit = (launcher.shared(size, wp.int32) for _ in range(5))
+        self.need, self.pages, self.order, self.kept, self.lit = (launcher.shared(size, wp.int32) for _ in range(5))
         self.atlas: Any = Atlas()
         self.atlas.shapes = launcher.view(self.shapes.host, wp.vec4i)
         self.atlas.table = self.pages.device
 
     def choose(self, launcher: Launcher, narrowest: Shared, shading: int) -> None:
-        """Set which are shaded and kept, by what is read (see `choose_levels`), in another table than the last one."""
-        self.table, self._other = self._other, self.table
+        """Set which are shaded and kept, by what is read (see `choose_levels`)."""
         inputs = [self.shapes, narrowest, self.need, shading, self.table, self.finest]
         launcher.launch_on_host(choose_levels, inputs)
+
+    def hold(self, frame: int) -> "Held":
+        """What is known of them in a frame, as long as no other is held: the table is given away for the other one."""
+        held = Held(frame, self.layout, self.shapes, self.table)
+        self.table, self._other = self._other, self.table
+        return held
 
     def shaded(self, jobs: "Jobs") -> int:
         """How many texels were lit, when all jobs are done."""
@@ -58,17 +64,17 @@ class Tiles:
 class Shelf:
     """Tiles whose arrays are used again when a frame has the same targets."""
 
-    def __init__(self, launcher: Launcher) -> None:
-        self._launcher = launcher
-        self._tiles = deque[Tiles](maxlen=2)
+    def __init__(self, launcher: Launcher, room: int = 1) -> None:
+        """room: how many layouts a frame needs."""
+        self._launcher, self._kept = launcher, deque[Tiles](maxlen=room)
 
-    def tiles(self, segments: NDArray[np.int64], widths: Ints) -> Tiles:
+    def take(self, segments: NDArray[np.int64], widths: Ints) -> Tiles:
         """The tiles of some targets (see Layout)."""
-        for tiles in self._tiles:
+        for tiles in self._kept:
             if tiles.layout.has(segments, widths):
                 return tiles
-        self._tiles.append(Tiles(self._launcher, Layout(segments, widths)))
-        return self._tiles[-1]
+        self._kept.append(Tiles(self._launcher, Layout(segments, widths)))
+        return self._kept[-1]
 
 
 class Jobs(NamedTuple):
@@ -92,7 +98,7 @@ class Jobs(NamedTuple):
 
 
 class Held(NamedTuple):
-    """The tiles of a frame, whose blocks the pool has: what was known of them then."""
+    """The tiles of a frame, whose blocks the pool has, and their table, to which nothing else is written."""
 
     frame: int
     layout: Layout
@@ -100,14 +106,10 @@ class Held(NamedTuple):
     table: Shared
 
     @staticmethod
-    def of(frame: int, tiles: Tiles) -> "Held":
-        """These tiles."""
-        return Held(frame, tiles.layout, tiles.shapes, tiles.table)
-
-    @staticmethod
     def nothing(launcher: Launcher) -> "Held":
         """No tiles."""
-        return Held.of(0, Tiles(launcher, Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))))
+        layout = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
+        return Held(0, layout, launcher.shared((0, 4), wp.int32), launcher.shared((ROWS, 0), wp.int32))
 
 
 class Pool:
@@ -134,7 +136,7 @@ class Pool:
         inputs = [oldest, np.array(poses, np.int32), tiles.shapes, tiles.finest, before, tiles.table, tiles.pages]
         inputs += [last.shapes, after, last.table, self._free, self._count, self._end]
         places, ranges = np.zeros((len(poses), len(before), LEVELS), np.int32), np.empty(len(poses) + 1, np.int32)
-        launcher.launch_on_host(place_tiles, [*inputs, places, tiles.tiles, tiles.kept, tiles.jobs, ranges])
+        launcher.launch_on_host(place_tiles, [*inputs, places, tiles.order, tiles.kept, tiles.jobs, ranges])
         end = int(self._end.host[0])
         if end >= MOST_ADDRESSED:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
@@ -142,7 +144,7 @@ class Pool:
             grown = launcher.empty(end + end // 4, wp.vec4)
             wp.copy(grown, self.texels)
             self.texels = grown
-        for array in (tiles.pages, tiles.tiles, tiles.kept, tiles.finest):
+        for array in (tiles.pages, tiles.order, tiles.kept, tiles.finest):
             array.send()
         return Jobs(oldest, ranges.tolist())
 

@@ -81,7 +81,7 @@ class Epochs:
         return self._poses[frame]
 
     def find(self, tiles: Tiles, last: Held) -> None:
-        """Fill EPOCH of tiles. last: those of one frame ago, NOTHING where that was not rendered."""
+        """Fill EPOCH of tiles. last: those of one frame ago, nothing where that was not rendered."""
         tiles.table.host[EPOCH] = self._now.frame
         if self._tolerance == 0 or len(set(self.poses)) == 1:
             return

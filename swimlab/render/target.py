@@ -20,23 +20,20 @@ from swimlab.render.layout import placed
 from swimlab.render.shot import Shot
 from swimlab.render.texture import MipChain
 
-MOST_TARGETS = 3
-"""How many targets there are at most for each in sight: far charts come and go from frame to frame."""
-
 
 class Screen:
     """Which pixel sees which chart, frame after frame; its arrays serve all frames with as many pixels and charts.
 
     shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. shown: places
     among the charts of those in sight. segments: [n], numbers of the charts that have a target, rising: those in sight,
-    and some that were. narrowest: [n] (see `choose_levels`).
+    and some that were, as far charts come and go. narrowest: [n] (see `choose_levels`).
     """
 
-    def __init__(self, launcher: Launcher, anisotropy: int) -> None:
-        """anisotropy: most probes of a footprint when light is pasted."""
-        self._launcher, self.anisotropy = launcher, anisotropy
+    def __init__(self, launcher: Launcher, anisotropy: int, most: int = 0) -> None:
+        """anisotropy: most probes of a footprint when light is pasted. most: targets, unless more are in sight."""
+        self._launcher, self.anisotropy, self._most = launcher, anisotropy, most
         self.visible: Any = launcher.empty((0, 0), wp.int32)
-        self._seen = self._targets = launcher.shared((0,), wp.int32)
+        self._seen, self._targets = (launcher.shared((0,), wp.int32) for _ in range(2))
         self._charts: Charts | None = None
         self.segments, self.narrowest = np.zeros(0, np.int64), launcher.shared((0,), wp.float64)
 
@@ -53,13 +50,13 @@ class Screen:
             self._assign(charts, self.segments)
         self._seen.fill(0)
         tiles = tiles_of(self.segments)
-        self._read(tiles, draws=True)
+        self.mark(tiles, draws=True)
         self._seen.fetch()
         self.shown = np.flatnonzero(self._seen.host)
         if self._targets.host[self.shown].min(initial=0) < 0:
             seen = charts.segments[self.shown]
             wanted = np.union1d(self.segments, seen)
-            self._assign(charts, wanted if len(wanted) <= MOST_TARGETS * len(seen) else seen)
+            self._assign(charts, wanted if len(wanted) <= self._most else seen)
             tiles = tiles_of(self.segments)
             self.mark(tiles)
         self.narrowest.host.fill(-1.0)
@@ -82,11 +79,8 @@ class Screen:
         self._targets.send()
         self._charts = charts
 
-    def mark(self, tiles: Tiles) -> None:
-        """Set what pasting reads of other tiles, of the same charts."""
-        self._read(tiles, draws=False)
-
-    def _read(self, tiles: Tiles, *, draws: bool) -> None:
+    def mark(self, tiles: Tiles, *, draws: bool = False) -> None:
+        """Set what pasting reads of each tile. draws: whether it is found anew which triangle each pixel sees."""
         launcher, shot, atlas = self._launcher, self.shot, tiles.atlas
         atlas.charts, atlas.targets = charts_of(shot).owners, self._targets.device
         tiles.need.fill(NEVER)
@@ -116,7 +110,7 @@ class Lighting:
             begin, end = ends[way : way + 2]
             if begin < end:
                 kernel, chain = self._ways.of(way)
-                inputs = [begin, tiles.parted.device, tiles.tiles.device, tiles.kept.device, tiles.atlas, drawn.ranges]
+                inputs = [begin, tiles.parted.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
                 inputs += [drawn.triangles.edges, drawn.triangles.planes]
                 inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
                 yield launcher.laid_out(end - begin, kernel, (), inputs)

@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Held, Pool, Shelf, Tiles
+from swimlab.render.atlas import Held, Pool, Tiles
 from swimlab.render.catalogue import model_of
 from swimlab.render.inputs import Inputs
 from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE, START
@@ -16,8 +16,8 @@ from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, Ways
-from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
+from swimlab.render.target import Lighting, Ways
+from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
 from swimlab.runs.provenance import SWIMLAB
@@ -43,7 +43,7 @@ def write_targets(run: Path, shot: Shot, metadata: dict[str, str]) -> list[Path]
     in the light of its own frame.
     """
     settings = TslSettings.model_validate(shot.sequence.techniques.get("tsl", {}))
-    tiles = planned(Screen(shot.launcher, settings.anisotropy), shot, settings, Shelf(shot.launcher))
+    _, tiles = planned_alone(shot, settings)
     lightings = [Lighting(shot, Ways(shot, inputs)) for inputs in (INPUTS[settings.inputs], NORMALS)]
     folder = run / FOLDER / f"{shot.frame:04d}"
     written = []

@@ -1,6 +1,6 @@
 """Which tiles are lit, where they are held and in what order they are lit: on the host, in one thread.
 
-All that is known of the tiles of a frame is a table, [ROWS, entries] (see `swimlab.render.atlas.Layout`).
+All that is known of the tiles of a frame is a table, [ROWS, entries] (see `swimlab.render.layout.Layout`).
 """
 
 import warp as wp
@@ -32,7 +32,7 @@ wp.set_module_options({"enable_backward": False})
 
 
 @wp.func
-def tiles_of(shapes: wp.array2d(dtype=wp.int32), target: wp.int32) -> wp.int32:
+def tiles_in(shapes: wp.array2d(dtype=wp.int32), target: wp.int32) -> wp.int32:
     """How many tiles a target has."""
     across = shapes[target, 0] >> shapes[target, 2]
     return across * across
@@ -43,7 +43,7 @@ def tiles_in_sight(shapes: wp.array2d(dtype=wp.int32), finest: wp.array(dtype=wp
     """How many tiles a target has that may be read: none where it is out of sight."""
     if finest[target] == NEVER:
         return 0
-    return tiles_of(shapes, target)
+    return tiles_in(shapes, target)
 
 
 @wp.kernel
@@ -69,7 +69,7 @@ def choose_levels(
             texels *= wp.float64(0.5)
             coarsest += 1
         least = wp.int32(NEVER)
-        for entry in range(first, first + tiles_of(shapes, k)):
+        for entry in range(first, first + tiles_in(shapes, k)):
             keep = need[entry]
             if keep != NEVER:
                 keep = wp.min(keep, coarsest)
@@ -146,7 +146,7 @@ def hold_tiles(
             now[POSE, entry] = poses[now[EPOCH, entry] - oldest]
     for j in range(last_shapes.shape[0]):
         k = after[j]
-        for i in range(-1, tiles_of(last_shapes, j)):
+        for i in range(-1, tiles_in(last_shapes, j)):
             was = last_shapes[j, 3] + i
             if last[KEEP, was] != NEVER:
                 lost = k < 0
@@ -171,8 +171,9 @@ def hold_tiles(
                 held = is_held(now, entry, last, was, i < 0)
                 if held:
                     keep = last[KEEP, was]
-                    start = last[START, was]
                     anew = wp.int32(NEVER)
+                    if keep != NEVER:
+                        start = last[START, was]
             if not held and keep != NEVER:
                 kind = kind_of(shapes[k, 0], tile_level, i < 0, keep)
                 if count[kind] > 0:
@@ -272,14 +273,14 @@ def part_jobs(
     end: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
     widened: wp.array(dtype=wp.bool),
-    finest: wp.int32,
+    texels: wp.int32,
     square: wp.bool,
     parted: wp.array2d(dtype=wp.int32),
     ranges: wp.array(dtype=wp.int32),
 ):
     """Put jobs begin ... end of one way behind those of another; ranges: [WAYS + 1], the first job of each.
 
-    widened: whether a target's chart is. finest: texels of the maps along their longer side. square: whether both are
+    widened: whether a target's chart is. texels: of the maps along their longer side. square: whether both are
     as long. Between texels of the maps two normals that are blended by magnification are no roughness.
     """
     found = wp.int32(begin)
@@ -288,7 +289,7 @@ def part_jobs(
         for job in range(begin, end):
             target = jobs[job, 0]
             mine = wp.where(square and not widened[target], wp.int32(ALIGNED), wp.int32(FILTERED))
-            if shapes[target, 0] >> jobs[job, 1] > finest:
+            if shapes[target, 0] >> jobs[job, 1] > texels:
                 mine = wp.int32(BETWEEN)
             if mine == way:
                 for column in range(4):

@@ -36,7 +36,7 @@ PAGED = """
     }
     // Of a probe: where its four texels lie, first within their blocks, the entries of these, and how far it lies from
     // the first texel to the next. Entries are looked up lane by lane, as vectors of loads from anywhere take longer;
-    // texels are sent for before any is read, as light lies all over the pool: that saves a sixth of the time.
+    // texels are sent for before any is read, as light lies all over the pool.
     int at[2][4][LANES], block[2][4][LANES];
     float across[2][LANES], down[2][LANES];
     auto address = [&](int o, float i) {
@@ -87,7 +87,7 @@ ALIGNED = """
         const int i = (int)(q[k]*w) & (w - 1), j = (int)(q[LANES + k]*h) & (h - 1);
         at[k] = (start + j*w + i)*WIDTH;
     }
-    // Send for the rows below, which the next packet is likely to read: that saves a twelfth of lighting's time.
+    // Send for the rows below, which the next packet is likely to read.
     const int rows = (at[count - 1] - at[0])/(w*WIDTH) + 1;
     for (int k = 0; k < count; k += 2) __builtin_prefetch(data + at[k] + (long long)rows*w*WIDTH);
     float* __restrict out = lanes.data;

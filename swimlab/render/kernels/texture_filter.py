@@ -115,8 +115,8 @@ BESIDE
     };
     auto address = [&](int o, float i) { if (clamps) locate_all(o, i, clamped); else locate_all(o, i, repeated); };
 """
-"""C++ that finds the texels of a chain: `address(o, i)` says where in memory the four of each lane's probe i on its
-first or second level o lie: at[o][0..3][k], for lanes that have so many probes."""
+"""C++ that finds the texels of a chain: `address(o, i)` leaves in at[o][0..3][k] the indices of the four that probe i
+of lane k takes of its first or second level o, for lanes that have so many probes."""
 
 
 def _part(name: str, kind: str, first: int, width: int) -> tuple[str, str, str]:

@@ -15,17 +15,21 @@ from pydantic import Field, field_validator
 from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
+from swimlab.render.kernels.tiles import TILE_LEVEL
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.target import Lighting, Screen, Ways, painted
-from swimlab.render.technique import Picture, Technique, to_image
+from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
 INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, clean.INPUTS, lean.INPUTS)}
 """How the maps are filtered where a target's texel is larger than theirs."""
 
 SHADING = {"all": ALL, "visible": VISIBLE, "needed": NEEDED}
+
+MOST_TILES = 1 << 16
+"""Tiles of all targets, where charts that come and go keep theirs: they take 100 bytes each."""
 
 
 class TslSettings(Settings):
@@ -59,41 +63,43 @@ class TslSettings(Settings):
 def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
     shading = SHADING[settings.texels]
-    tiles = screen.see(shot, lambda segments: shelf.tiles(segments, np.full(len(segments), settings.size, np.int32)))
+    tiles = screen.see(shot, lambda segments: shelf.take(segments, np.full(len(segments), settings.size, np.int32)))
     tiles.choose(shot.launcher, screen.narrowest, shading)
-    if settings.sizes == "fitted":
+    if settings.sizes == "fitted" and len(screen.shown) > 0:
         sizes = tiles.layout.widths
         fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
         if not np.array_equal(fitted, sizes):
-            tiles = shelf.tiles(screen.segments, fitted)
+            tiles = shelf.take(screen.segments, fitted)
             screen.mark(tiles)
             tiles.choose(shot.launcher, screen.narrowest, shading)
     return tiles
 
 
-class Targets:
-    """A renderer that holds the light which its last frame has read, and shades what differs.
+def planned_alone(shot: Shot, settings: TslSettings) -> tuple[Screen, Tiles]:
+    """A screen that has seen one frame, and the tiles that its picture takes."""
+    screen = Screen(shot.launcher, settings.anisotropy)
+    return screen, planned(screen, shot, settings, Shelf(shot.launcher))
 
-    All shots of one renderer are of one sequence, under one set of settings.
+
+class Targets:
+    """What holds the light that the last frame has read, and lights what differs.
+
+    All shots are of one sequence.
     """
 
-    def __init__(self) -> None:
-        self._lightings: dict[int, Lighting] = {}
-        self._begun = False
+    def __init__(self, shot: Shot, settings: TslSettings) -> None:
+        """Any of the shots."""
+        launcher, fitted = shot.launcher, settings.sizes == "fitted"
+        self._settings, self._shelf = settings, Shelf(launcher, 2 if fitted else 1)
+        self._screen = Screen(launcher, settings.anisotropy, most_targets(settings))
+        self._pool, self._ways = Pool(launcher), Ways(shot, INPUTS[settings.inputs])
+        self._epochs, self._lightings = Epochs(settings.reuse, settings.tolerance), dict[int, Lighting]()
+        self._held = self._nothing = Held.nothing(launcher)
 
-    def _begin(self, shot: Shot, settings: TslSettings) -> None:
-        self._screen, self._shelf = Screen(shot.launcher, settings.anisotropy), Shelf(shot.launcher)
-        self._pool, self._ways = Pool(shot.launcher), Ways(shot, INPUTS[settings.inputs])
-        self._epochs = Epochs(settings.reuse, settings.tolerance)
-        self._held = self._nothing = Held.nothing(shot.launcher)
-        self._begun = True
-
-    def __call__(self, shot: Shot, settings: TslSettings) -> Picture:
+    def frame(self, shot: Shot) -> Picture:
         """The shot's picture."""
-        if not self._begun:
-            self._begin(shot, settings)
         screen, epochs, pool = self._screen, self._epochs, self._pool
-        tiles = planned(screen, shot, settings, self._shelf)
+        tiles = planned(screen, shot, self._settings, self._shelf)
         if len(screen.shown) == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
         epochs.look(shot)
@@ -106,8 +112,8 @@ class Targets:
         jobs = pool.place(tiles, epochs.poses, epochs.oldest, held)
         lights = (light for frame in jobs.frames for light in self._lighting(frame).of(jobs, tiles, pool.texels))
         picture = painted(screen, tiles, pool.texels, lights)
-        if settings.reuse > 1:
-            self._held = Held.of(shot.frame, tiles)
+        if self._settings.reuse > 1:
+            self._held = tiles.hold(shot.frame)
         return Picture(to_image(picture), shaded=tiles.shaded(jobs))
 
     def _lighting(self, frame: int) -> Lighting:
@@ -116,9 +122,26 @@ class Targets:
         return self._lightings[frame]
 
 
+def most_targets(settings: TslSettings) -> int:
+    """How many targets there are, unless more are in sight: MOST_TILES in all."""
+    return MOST_TILES >> max(0, 2 * (settings.size.bit_length() - 1 - TILE_LEVEL))
+
+
+def remembering() -> Render:
+    """A renderer that keeps what the next frame needs."""
+    kept: list[Targets] = []
+
+    def frame(shot: Shot, settings: TslSettings) -> Picture:
+        if not kept:
+            kept.append(Targets(shot, settings))
+        return kept[0].frame(shot)
+
+    return frame
+
+
 def render(shot: Shot, settings: TslSettings) -> Picture:
     """One frame by itself."""
-    return Targets()(shot, settings)
+    return Targets(shot, settings).frame(shot)
 
 
 TECHNIQUE = Technique(
@@ -127,5 +150,5 @@ TECHNIQUE = Technique(
     source="Sloan & Baker, TSL: A case study",
     render=render,
     settings=TslSettings,
-    memory=Targets,
+    memory=remembering,
 )

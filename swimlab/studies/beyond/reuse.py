@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swimlab.render.atlas import Held, Pool, Shelf
+from swimlab.render.atlas import Held, Pool
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, Ways, painted
+from swimlab.render.target import Lighting, Ways, painted
 from swimlab.render.technique import Image, to_image
-from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned
+from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.studies.page import Cell, Section, Table
 from swimlab.studies.trials import Stage, Trial, Variant
 from swimlab.studies.turns import Time, cpu, frame_task, in_turns
@@ -65,8 +65,8 @@ def reuse_study(stage: Stage, *, rounds: int) -> dict[str, Row]:
 
 def late(shot: Shot, settings: TslSettings) -> Image:
     """A frame under the light of the frame before: its eye and its sun, seen from where the camera is now."""
-    screen, pool, before = Screen(shot.launcher, settings.anisotropy), Pool(shot.launcher), shot.at(shot.frame - 1)
-    tiles = planned(screen, shot, settings, Shelf(shot.launcher))
+    screen, tiles = planned_alone(shot, settings)
+    pool, before = Pool(shot.launcher), shot.at(shot.frame - 1)
     tiles.table.host[EPOCH] = before.frame
     jobs = pool.place(tiles, [0], before.frame, Held.nothing(shot.launcher))
     lights = Lighting(before, Ways(before, INPUTS[settings.inputs])).of(jobs, tiles, pool.texels)

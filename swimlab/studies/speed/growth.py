@@ -8,10 +8,8 @@ import numpy as np
 
 from metrics.kernels.launch import Launcher
 from sequences import Sequence as Scenery
-from swimlab.render.atlas import Shelf
 from swimlab.render.material import Material
-from swimlab.render.target import Screen
-from swimlab.render.techniques.tsl import TslSettings, planned
+from swimlab.render.techniques.tsl import TslSettings, planned_alone
 from swimlab.report.charts import Axis, Line, line_chart
 from swimlab.studies.page import Cell, Section, Table
 from swimlab.studies.panels import Panel, panels
@@ -129,10 +127,8 @@ def _pixels(stage: Stage) -> float:
 
 
 def _segments(stage: Stage) -> float:
-    shot = stage.shot(0)
-    screen = Screen(shot.launcher, 1)
-    planned(screen, shot, TslSettings(size=16), Shelf(shot.launcher))
-    return float(len(screen.shown))
+    screen, _ = planned_alone(stage.shot(0), TslSettings(size=16))
+    return float(len(screen.segments))
 
 
 TITLES = {

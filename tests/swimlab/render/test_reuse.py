@@ -1,5 +1,7 @@
 """Light that `tsl` keeps from frame to frame: when it is made anew, and that what was rendered before moves no bit."""
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,6 +18,7 @@ from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.render.layout import Layout, matched
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
+from swimlab.render.target import Lighting, Screen, Ways
 from swimlab.render.techniques import tsl
 from swimlab.runs.record import RunError
 
@@ -231,7 +234,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
                     assert (kept[entry], start[entry]) == (held[KEEP, was], held[START, was])
                 else:
                     assert anew[entry] == keep[entry]
-        last = Held.of(0, tiles)
+        last = tiles.hold(0)
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)
@@ -243,7 +246,7 @@ def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
     table = tiles.table.host
     table[EPOCH] = epochs
     jobs = Pool(launcher).place(tiles, [0, 1], 0, Held.nothing(launcher))
-    order, done = tiles.tiles.host, []
+    order, done = tiles.order.host, []
     for frame in jobs.frames:
         for target, level, first, count in tiles.jobs.host[slice(*jobs.as_in(frame))].tolist():
             mine = order[first : first + count]
@@ -257,25 +260,53 @@ def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
     assert sorted(done) == of_tiles.tolist()
 
 
-@pytest.mark.parametrize("fails", ["painted", "to_image"])
-def test_a_frame_that_fails_spoils_none_after_it(shoot, render, monkeypatch, fails):
-    """As by Ctrl-C: what was given back for it by then is not given back again."""
-    sequence = small("road-drive", motion=FAST)
-    technique, given = techniques()["tsl"], {"size": 256, "texels": "needed", "sizes": "fitted", "reuse": 6}
+FAILING = [
+    (Screen, "_assign"),
+    (Screen, "mark"),
+    (Tiles, "choose"),
+    (Epochs, "look"),
+    (Epochs, "find"),
+    (Pool, "place"),
+    (Lighting, "__init__"),
+    (Ways, "of"),
+    (tsl, "painted"),
+    (tsl, "to_image"),
+]
+
+
+@pytest.mark.parametrize("begun", [False, True])
+@pytest.mark.parametrize(("owner", "fails"), FAILING)
+@pytest.mark.parametrize("name", ["road-drive", "road-shift"])
+def test_a_frame_that_fails_spoils_none_after_it(shoot, render, monkeypatch, name, owner, fails, begun):
+    """As by Ctrl-C, before or after a part of it is done: what it gave back by then is not given back again."""
+    sequence = small(name, motion=FAST) if name == "road-drive" else small(name)
+    technique, given = techniques()["tsl"], {"size": 64, "texels": "needed", "reuse": 6}
     renderer, settings = technique.begin(), technique.settings(**given)
-    for frame in range(8):
-        if frame == 2:
-            with monkeypatch.context() as patch:
-                patch.setattr(tsl, fails, interrupted)
-                with pytest.raises(KeyboardInterrupt):
-                    renderer(shoot(sequence, frame), settings)
-        else:
-            picture = renderer(shoot(sequence, frame), settings)
-            assert picture.rgba.tobytes() == render(shoot(sequence, frame), "tsl", **given).rgba.tobytes()
+    done = getattr(owner, fails)
+
+    def interrupted(*inputs, **more):
+        if begun:
+            done(*inputs, **more)
+        raise KeyboardInterrupt
+
+    for frame in (0, 1, 2, 2, 3, 1, 5):
+        picture = renderer(shoot(sequence, frame), settings)
+        assert picture.rgba.tobytes() == render(shoot(sequence, frame), "tsl", **given).rgba.tobytes()
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, fails, interrupted)
+            with suppress(KeyboardInterrupt):
+                renderer(shoot(sequence, frame + 1), settings)
 
 
-def interrupted(*_):
-    raise KeyboardInterrupt
+@pytest.mark.parametrize("texels", ["all", "visible", "needed"])
+def test_frames_without_road_spoil_none_after_them(shoot, render, texels):
+    turning = {"camera": {"lateral": -25.0, "yaw": 70.0, "fov": 40.0}, "motion": {"kind": "turn", "speed": 3420.0}}
+    sequence, given = small("road-turn", fps=18.0, **turning), {"size": 64, "texels": texels, "reuse": 4}
+    pictures, empty = clip(shoot, sequence, range(8), **given), 0
+    for frame, picture in enumerate(pictures):
+        assert picture.rgba.tobytes() == render(shoot(sequence, frame), "tsl", **given).rgba.tobytes()
+        empty += not picture.rgba.any()
+    assert 0 < empty < 7
 
 
 def test_after_too_many_texels_there_is_room_again(shoot, monkeypatch):
