@@ -79,7 +79,8 @@ class Loaded:
         command = wp.launch(kernel, dim=dim, inputs=list(inputs), device="cpu", record_cmd=True)
         self.kernel, self.function = kernel, command.hooks.forward
         self.address: Any = ctypes.cast(self.function, ctypes.c_void_p).value
-        self._kinds, self._forms = _kinds(kernel), [type(value) for value in command.params[1:]]
+        self._kinds = [_kind(*each) for each in zip(kernel.adj.args, inputs, strict=True)]
+        self._forms = [type(value) for value in command.params[1:]]
         fields = [(f"_{k}", form) for k, form in enumerate(self._forms)]
         self._structure: Any = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
         # The arrays of the first launch are not held.
@@ -112,19 +113,18 @@ class Kind(NamedTuple):
     axes: int
 
 
-def _kinds(kernel: wp.Kernel) -> list[Kind | None]:
-    """What arrays a kernel takes; None for what is none."""
-    given: list[Any] = [argument.type for argument in kernel.adj.args]
-    return [_kind(each.dtype, each.ndim) if isinstance(each, wp.array) else None for each in given]
-
-
-def _kind(dtype: Any, ndim: int) -> Kind:
+def _kind(argument: Any, first: Any) -> Kind | None:
+    """What a kernel takes for an argument; None if it is no array. first: its value in the first launch."""
+    declared: Any = argument.type
+    if not isinstance(declared, wp.array):
+        return None
+    dtype = first.dtype if declared.dtype is Any else declared.dtype
     to_numpy: Any = wp.dtype_to_numpy
     try:
         number = np.dtype(to_numpy(getattr(dtype, "_wp_scalar_type_", dtype)))
     except TypeError:
         number = None
-    return Kind(dtype, ndim, number, ndim + len(getattr(dtype, "_shape_", ())))
+    return Kind(dtype, declared.ndim, number, declared.ndim + len(getattr(dtype, "_shape_", ())))
 
 
 def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
@@ -138,7 +138,8 @@ def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
         return value.__ctype__() if hasattr(value, "__ctype__") else value
     if isinstance(given, np.ndarray):
         if value.dtype == kind.number and value.ndim == kind.axes and value.flags.c_contiguous:
-            return form(data=value.ctypes.data, ndim=value.ndim, shape=value.shape, strides=value.strides)
+            shape, strides = value.shape[: kind.ndim], value.strides[: kind.ndim]
+            return form(data=value.ctypes.data, ndim=kind.ndim, shape=shape, strides=strides)
     elif isinstance(given, wp.array) and value.dtype == kind.dtype and value.ndim == kind.ndim:
         return value.__ctype__()
     numbers = "" if kind.number is None else f" or {kind.number} of {kind.axes} dimensions"
