@@ -105,12 +105,12 @@ _LOADED: dict[wp.Kernel, Loaded] = {}
 
 
 class Kind(NamedTuple):
-    """Of an array, Warp's type and its dimensions, and NumPy's number (None for structures) and its dimensions."""
+    """Of an array, Warp's type and dimensions, and NumPy's numbers (None for structures) and its further axes."""
 
     dtype: Any
     ndim: int
     number: Any
-    axes: int
+    inner: tuple[int, ...]
 
 
 def _kind(argument: Any, first: Any) -> Kind | None:
@@ -124,7 +124,7 @@ def _kind(argument: Any, first: Any) -> Kind | None:
         number = np.dtype(to_numpy(getattr(dtype, "_wp_scalar_type_", dtype)))
     except TypeError:
         number = None
-    return Kind(dtype, declared.ndim, number, declared.ndim + len(getattr(dtype, "_shape_", ())))
+    return Kind(dtype, declared.ndim, number, tuple(getattr(dtype, "_shape_", ())))
 
 
 def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
@@ -137,12 +137,13 @@ def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
             return value.item()
         return value.__ctype__() if hasattr(value, "__ctype__") else value
     if isinstance(given, np.ndarray):
-        if value.dtype == kind.number and value.ndim == kind.axes and value.flags.c_contiguous:
-            shape, strides = value.shape[: kind.ndim], value.strides[: kind.ndim]
-            return form(data=value.ctypes.data, ndim=kind.ndim, shape=shape, strides=strides)
+        shape, inner = value.shape[: kind.ndim], value.shape[kind.ndim :]
+        alike = value.dtype == kind.number and len(shape) == kind.ndim and inner == kind.inner
+        if alike and value.flags.c_contiguous:
+            return form(data=value.ctypes.data, ndim=kind.ndim, shape=shape, strides=value.strides[: kind.ndim])
     elif isinstance(given, wp.array) and value.dtype == kind.dtype and value.ndim == kind.ndim:
         return value.__ctype__()
-    numbers = "" if kind.number is None else f" or {kind.number} of {kind.axes} dimensions"
+    numbers = "" if kind.number is None else f", or {kind.number} with axes {kind.inner} more"
     raise TypeError(
         f"{value!r}: the kernel takes {kind.dtype.__name__} of {kind.ndim} dimensions{numbers}, in one piece"
     )

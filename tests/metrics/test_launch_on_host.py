@@ -47,6 +47,29 @@ def test_an_array_of_another_kind_is_refused(values):
         on_cpu(scaling(), 3, [values, 2.0, np.zeros((3, 4), np.float32)])
 
 
+@made_once
+def turning():
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(by: wp.array(dtype=wp.mat33d), places: wp.array(dtype=wp.vec3d), out: wp.array(dtype=wp.vec3d)):
+        out[wp.tid()] = by[wp.tid()] @ places[wp.tid()]
+
+    return kernel
+
+
+def test_the_hosts_arrays_have_an_axis_more_for_vectors_and_two_for_matrices(tolerance):
+    random, found = np.random.default_rng(0), []
+    by, places = random.random((5, 3, 3)), random.random((5, 3))
+    for lend in (lambda values, dtype: values, lambda values, dtype: wp.array(values, dtype=dtype, device="cpu")):
+        out = np.zeros((5, 3))
+        on_cpu(turning(), 5, [lend(by, wp.mat33d), lend(places, wp.vec3d), out])
+        found.append(out)
+    assert np.array_equal(found[0], found[1])
+    assert found[0] == pytest.approx(np.einsum("nij,nj->ni", by, places), rel=tolerance("closed form"))
+    for wrong in (random.random((5, 4)), random.random(5), random.random((5, 3)).astype(np.float32)):
+        with pytest.raises(TypeError, match="the kernel takes vec3d of 1 dimensions"):
+            on_cpu(turning(), 5, [by, wrong, out])
+
+
 @wp.struct
 class Line:
     slope: wp.float32
