@@ -87,9 +87,10 @@ class Road:
 
     def visible_segments(self, frame: int) -> list[int]:
         """Segments of the road that some pixel's centre sees, nearest first."""
-        from swimlab.render.target import Screen
+        from swimlab.render.techniques.tsl import TslSettings, planned_alone
 
-        return [int(segment) for segment in Screen.of(self.shot(frame), 16).segments]
+        screen, _ = planned_alone(self.shot(frame), TslSettings(size=16))
+        return [int(segment) for segment in screen.segments]
 
 
 @dataclass(frozen=True)
