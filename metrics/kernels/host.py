@@ -28,7 +28,8 @@ def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaun
     """A launch that is ready to be started.
 
     inputs: Warp's arrays on the CPU and structures, the host's contiguous arrays (vectors have an axis more, matrices
-    two), numbers. Raises TypeError for one of another kind than the kernel takes.
+    two), numbers. Raises TypeError for one of another kind than the kernel takes; a generic one takes that of its first
+    launch.
     """
     loaded = _LOADED.get(kernel)
     if loaded is None:
@@ -127,22 +128,23 @@ def _kind(argument: Any, first: Any) -> Kind | None:
     return Kind(dtype, declared.ndim, number, tuple(getattr(dtype, "_shape_", ())))
 
 
-def _formed(given: Any, kind: Kind | None, form: Any) -> Any:
+def _formed(value: Any, kind: Kind | None, form: Any) -> Any:
     """A value as a field of some form takes it. Raises TypeError for an array of another kind than the field's."""
-    value: Any = given
+    array: Any = value
     if kind is None:
         if isinstance(value, NUMBERS):
             return value
         if isinstance(value, np.generic):
             return value.item()
-        return value.__ctype__() if hasattr(value, "__ctype__") else value
-    if isinstance(given, np.ndarray):
+        return array.__ctype__() if hasattr(value, "__ctype__") else value
+    if isinstance(value, np.ndarray):
         shape, inner = value.shape[: kind.ndim], value.shape[kind.ndim :]
-        alike = value.dtype == kind.number and len(shape) == kind.ndim and inner == kind.inner
-        if alike and value.flags.c_contiguous:
+        # NumPy says that None is float64.
+        alike = kind.number is not None and value.dtype == kind.number
+        if alike and len(shape) == kind.ndim and inner == kind.inner and value.flags.c_contiguous:
             return form(data=value.ctypes.data, ndim=kind.ndim, shape=shape, strides=value.strides[: kind.ndim])
-    elif isinstance(given, wp.array) and value.dtype == kind.dtype and value.ndim == kind.ndim:
-        return value.__ctype__()
+    elif isinstance(value, wp.array) and value.dtype == kind.dtype and value.ndim == kind.ndim:
+        return array.__ctype__()
     numbers = "" if kind.number is None else f", or {kind.number} with axes {kind.inner} more"
     raise TypeError(
         f"{value!r}: the kernel takes {kind.dtype.__name__} of {kind.ndim} dimensions{numbers}, in one piece"

@@ -258,7 +258,7 @@ class Launcher:
         return Shared(shape, dtype, self._on)
 
     def lent(self, values: Any, dtype: Any) -> Any:
-        """The host's values for a launch to read: on the CPU just as they are, which costs less than a view."""
+        """The host's values, of that type, for a launch to read: on the CPU as they are, at less cost than a view."""
         return np.ascontiguousarray(values) if self.device == "cpu" else self.view(values, dtype)
 
     def view(self, values: Any, dtype: Any) -> Any:

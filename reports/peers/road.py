@@ -86,7 +86,7 @@ class Road:
         return np.asarray(shift @ projection)
 
     def visible_segments(self, frame: int) -> list[int]:
-        """Segments of the road that some pixel's centre sees, nearest first."""
+        """Segments that some pixel's centre sees, nearest first: of the road alone, in a scene with nothing else."""
         from swimlab.render.techniques.tsl import TslSettings, planned_alone
 
         screen, _ = planned_alone(self.shot(frame), TslSettings(size=16))

@@ -50,7 +50,7 @@ class Tiles:
         launcher.launch_on_host(choose_levels, inputs)
 
     def hold(self, frame: int) -> "Held":
-        """What is known of them in a frame, as long as no other is held: the table is given away for the other one."""
+        """What is known of them in a frame. The next one writes to the other table, so that what was held is let go."""
         held = Held(frame, self.layout, self.shapes, self.table)
         self.table, self._other = self._other, self.table
         return held

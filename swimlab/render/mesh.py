@@ -32,7 +32,7 @@ class Mesh:
     slope: [N], dz/dy of the road.
     triangles: [M, 3], indices of vertices, counter-clockwise seen from above.
     segments: [M], the chart each triangle belongs to, rising: the road's segments, counted along the road from y = 0,
-        come first; each wire and post has charts of its own.
+        come first; each wire and post has charts of its own, whose numbers are theirs for one eye only.
     loose: [M], whether the triangle lies over others, so that leaving it out tears no hole.
     """
 
@@ -53,7 +53,7 @@ class Mesh:
 
 
 def charts_in(segments: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The charts that triangles belong to, rising, and the place of the first triangle of each."""
+    """The charts that triangles belong to, and the place of the first triangle of each. segments: rising."""
     first = np.flatnonzero(np.diff(segments, prepend=segments[:1] - 1))
     return segments[first], first
 
@@ -148,7 +148,7 @@ def _rows(road: Road, along: int, segments: range, start: float, end: float) -> 
     low = max(0.0, (start - segments[0] * road.segment) / road.segment)
     high = min(1.0, (end - segments[-1] * road.segment) / road.segment)
     between = len(segments) - 2
-    if between < 0:
+    if between < 0:  # the road's length is lost in rounding
         v = _cut(whole, low, high)
         lengths: tuple[int, ...] = (len(v),)
     else:
@@ -162,7 +162,7 @@ def _cut(whole: Doubles, low: float, high: float) -> Doubles:
     return np.concatenate([[low], whole[(whole > low) & (whole < high)], [high]])
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)
 def _quads(lengths: tuple[int, ...], quads: int) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Triangles [M, 3] of a ribbon of `quads` quads across, and which of its segments each belongs to, 0 and on."""
     segment, columns = np.repeat(np.arange(len(lengths)), lengths), quads + 1

@@ -88,6 +88,8 @@ class Epochs:
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
         whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
+        # What had the number of a wire's or a post's chart then was another one.
+        whole &= np.isin(layout.segments, self._now.mesh.segments[~self._now.mesh.loose])
         for table in (tiles.table, last.table):
             table.send()
         inputs = [

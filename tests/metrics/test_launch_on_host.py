@@ -95,6 +95,17 @@ def gathering():
     return kernel
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_the_hosts_arrays_are_no_structures(dtype):
+    @wp.kernel(module="unique", enable_backward=False)
+    def kernel(lines: wp.array(dtype=Line)):
+        lines[wp.tid()].slope = 1.0
+
+    on_cpu(kernel, 3, [wp.zeros(3, dtype=Line)])
+    with pytest.raises(TypeError, match="the kernel takes Line"):
+        on_cpu(kernel, 3, [np.zeros(12, dtype)])
+
+
 @pytest.mark.parametrize("number", [int, np.int64, np.int32])
 def test_inputs_of_every_kind_arrive_as_they_are(number):
     """After a launch on inputs of other values, and of numpy's numbers as of Python's."""

@@ -29,7 +29,7 @@ INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, cl
 SHADING = {"all": ALL, "visible": VISIBLE, "needed": NEEDED}
 
 MOST_TILES = 1 << 16
-"""Tiles of all targets, where charts that come and go keep theirs: they take 100 bytes each."""
+"""Tiles of all targets, where charts that come and go keep theirs: some hundred bytes each."""
 
 
 class TslSettings(Settings):
@@ -84,7 +84,7 @@ def planned_alone(shot: Shot, settings: TslSettings) -> tuple[Screen, Tiles]:
 class Targets:
     """What holds the light that the last frame has read, and lights what differs.
 
-    All shots are of one sequence.
+    All shots are of one sequence, under one set of settings.
     """
 
     def __init__(self, shot: Shot, settings: TslSettings) -> None:
@@ -128,7 +128,7 @@ def most_targets(settings: TslSettings) -> int:
 
 
 def remembering() -> Render:
-    """A renderer that keeps what the next frame needs."""
+    """A renderer that keeps what the next frame needs (see Targets)."""
     kept: list[Targets] = []
 
     def frame(shot: Shot, settings: TslSettings) -> Picture:
