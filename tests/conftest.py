@@ -88,7 +88,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "radiance in float32": Tolerance(2e-5, "powers of 200 amplify the rounding of a half vector a hundred times"),
     "rounding": Tolerance(1e-9, "sums of some thousand doubles"),
     "single precision spectra": Tolerance(1e-6, "relative to the largest; transforms of 4096 numbers: 2e-7 measured"),
-    "single sums": Tolerance(1e-6, "relative; sums over the 4096 pixels of a tile in single precision: 3e-7 measured"),
+    "single sums": Tolerance(1e-6, "relative; sums over the 4096 pixels of a tile in single precision: 2e-7 measured"),
     "parseval": Tolerance(1e-6, "relative; one transform of a tile in single precision, 1e-7 measured"),
     "budget": Tolerance(1e-12, "relative; the parts add up to rounding in double precision"),
     "glued": Tolerance(1e-6, "share of the energy; float32 frames, windows leak 4e-7 at .3 cycles/px at most"),

@@ -90,7 +90,8 @@ class Road:
         from swimlab.render.techniques.tsl import TslSettings, planned_alone
 
         screen, _ = planned_alone(self.shot(frame), TslSettings(size=16))
-        return [int(segment) for segment in screen.segments]
+        segments: list[int] = screen.segments.tolist()
+        return segments
 
 
 @dataclass(frozen=True)

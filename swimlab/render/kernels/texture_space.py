@@ -128,12 +128,12 @@ PROBES
             for (int k = first; k < first + 16; ++k) {
                 if (!notes[k]) continue;
                 const unsigned u = (unsigned)key[k + 1];
-                const int level = finest[o][k + 1];
+                const int least = finest[o][k + 1];
                 for (unsigned j = u >> 16 & 255; j <= u >> 24; ++j)
                     for (unsigned c = u & 255; c <= (u >> 8 & 255); ++c)
                         // Other threads lower the same levels, but rarely.
-                        for (int now = wanted[j*tiles + c]; now > level;)
-                            if (__atomic_compare_exchange_n(wanted + j*tiles + c, &now, level, true, __ATOMIC_RELAXED,
+                        for (int now = wanted[j*tiles + c]; now > least;)
+                            if (__atomic_compare_exchange_n(wanted + j*tiles + c, &now, least, true, __ATOMIC_RELAXED,
                                                             __ATOMIC_RELAXED)) break;
             }
         }
