@@ -65,12 +65,6 @@ class HostLaunch(NamedTuple):
             setattr(arguments, f"_{k}", array.__ctype__())
         return HostLaunch(self.of, self.bounds, arguments, (*self.inputs[:first], *inputs))
 
-    def with_number(self, k: int, number: int) -> "HostLaunch":
-        """The same with another number as input k."""
-        arguments = type(self.arguments).from_buffer_copy(self.arguments)
-        setattr(arguments, f"_{k}", number)
-        return HostLaunch(self.of, self.bounds, arguments, self.inputs)
-
 
 class Loaded:
     """A kernel, and what all its launches share."""

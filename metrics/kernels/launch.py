@@ -14,11 +14,11 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from metrics.kernels.crew import Crew
 from metrics.kernels.host import Dim, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.shared import Shared
 from metrics.kernels.starting import start_warp
-from metrics.kernels.strips import Strips
 from metrics.kernels.workers import Task, Workers
 from metrics.machine import cores
 from metrics.memory import LARGE, let_go, unset
@@ -80,12 +80,13 @@ class Launcher:
         self.device = device
         self._on: Any = wp.get_device(device)
         self.threads = threads or cores()
-        self._workers = Workers(self.threads)
+        self._workers, self._crew = Workers(self.threads), Crew(self.threads - 1)
         self._scratch: dict[Any, list[Sequence[Any]]] = {}
 
     def close(self) -> None:
         """Let the threads go, and the memory that was kept."""
         self._workers.close()
+        self._crew.close()
         self._scratch.clear()
         let_go()
 
@@ -179,41 +180,26 @@ class Launcher:
         threads = min(self.threads, -(-rows // height))
         scratch = self._scratch.pop(own, [])  # so that no other launch takes it
         scratch += [self.made(own, 1) for _ in range(threads - len(scratch))]
-        if threads == 1:
-            run = partial(self.start, host_launch(kernel, whole, [0, *inputs, *scratch[0]]))
-        else:
+        command: Any = host_launch(kernel, whole, [0, *inputs, *scratch[0]])
+        if threads > 1:
             last = rows - (rows - 1) // height * height
             dims = [(-(-some // each), *width) for some in (height, last)]
-            strips = Strips(host_launch(kernel, dims[0], [0, *inputs, *scratch[0]]), rows, height, dims[1])
-            # All is laid out here, as Python in a thread that helps has cold caches.
-            run = partial(self._take, strips, [strips.taking(arrays) for arrays in scratch[:threads]])
+            command = self._crew.together(command, rows, height, dims, scratch[1:threads])
 
-        def run_and_keep() -> None:
-            run()
+        def run() -> None:
+            self.start(command)
             if isinstance(own, Scratch):
                 if len(self._scratch) == MOST_SCRATCH:
                     self._scratch.clear()
                 self._scratch[own] = scratch
 
-        return run_and_keep
+        return run
 
     def made(self, own: Own, at_once: int) -> Sequence[Any]:
         """A thread's own inputs, for some rows that are worked on at once."""
         if isinstance(own, Scratch):
             return [self.empty((own.rows * at_once, own.width), own.dtype)]
         return own(at_once)
-
-    def _take(self, strips: Strips, commands: Sequence[Any]) -> None:
-        """Start each thread's command."""
-
-        def run(command: Any) -> None:
-            try:
-                self.start(command)
-            except BaseException:
-                strips.drop()
-                raise
-
-        self.each(commands, run)
 
     def empty(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An uninitialised array on the device."""

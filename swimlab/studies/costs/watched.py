@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
+from metrics.kernels.crew import Together
 from metrics.kernels.launch import Launcher
 from swimlab.studies.trials import Stage, Variant
 from swimlab.studies.turns import Task
 
 
 class WatchedLauncher(Launcher):
-    """On the CPU a kernel's time is that of its thread, which other programs do not lengthen; on a GPU it is the
+    """On the CPU a kernel's time is that of its threads, which other programs do not lengthen; on a GPU it is the
     clock's, and the launcher waits for each kernel."""
 
     def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
@@ -22,9 +23,10 @@ class WatchedLauncher(Launcher):
 
     def start(self, command: Any) -> None:
         """Start a recorded launch and note its time."""
-        began = self._now()
+        clock = self._clock(command)
+        began = clock()
         super().start(command)
-        self._noted.append((command.kernel, 1e3 * (self._now() - began)))
+        self._noted.append((command.kernel, 1e3 * (clock() - began)))
 
     def take(self) -> Mapping[str, float]:
         """Milliseconds of all threads by kernel since the last call."""
@@ -34,11 +36,16 @@ class WatchedLauncher(Launcher):
             spent[kernel_name(kernel)] += ms
         return spent
 
-    def _now(self) -> float:
+    def _clock(self, command: Any) -> Callable[[], float]:
         if self.device == "cpu":
-            return time.thread_time()
-        wp.synchronize_device(self.device)
-        return time.perf_counter()
+            # Of threads that start launches of their own each has its time; where a crew helps, nothing else runs.
+            return time.process_time if isinstance(command, Together) else time.thread_time
+
+        def when_done() -> float:
+            wp.synchronize_device(self.device)
+            return time.perf_counter()
+
+        return when_done
 
 
 class Frame(NamedTuple):
