@@ -15,7 +15,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.crew import Crew
-from metrics.kernels.host import Dim, host_launch
+from metrics.kernels.host import Dim, HostLaunch, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.shared import Shared
 from metrics.kernels.starting import start_warp
@@ -132,10 +132,9 @@ class Launcher:
         """Start one kernel in the calling thread."""
         self.start(self.record(kernel, dim, inputs))
 
-    def launch_on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> None:
-        """Start one thread of a kernel on the host's own arrays, whatever the device, and on what it shares."""
-        inputs = [value.on_host if isinstance(value, Shared) else value for value in inputs]
-        self.start(host_launch(kernel, 1, inputs))
+    def on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> HostLaunch:
+        """A launch of one thread on the host's own arrays, whatever the device, and on what it shares."""
+        return host_launch(kernel, 1, [value.on_host if isinstance(value, Shared) else value for value in inputs])
 
     def record(self, kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> Any:
         """A launch that is ready to be started: it has its `kernel`, and `launch()`."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from metrics.kernels.shared import Shared
-from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, choose_levels, place_tiles
+from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, place_tiles
 from swimlab.render.kernels.texture_space import Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS
 from swimlab.render.layout import Ints, Layout, matched
@@ -43,11 +43,6 @@ class Tiles:
         self.atlas: Any = Atlas()
         self.atlas.shapes = launcher.view(self.shapes.host, wp.vec4i)
         self.atlas.table = self.pages.device
-
-    def choose(self, launcher: Launcher, narrowest: Shared, shading: int) -> None:
-        """Set which are shaded and kept, by what is read (see `choose_levels`)."""
-        inputs = [self.shapes, narrowest, self.need, shading, self.table, self.finest]
-        launcher.launch_on_host(choose_levels, inputs)
 
     def hold(self, frame: int) -> "Held":
         """What is known of them in a frame. The next one writes to the other table, so that what was held is let go."""
@@ -136,7 +131,8 @@ class Pool:
         inputs = [oldest, np.array(poses, np.int32), tiles.shapes, tiles.finest, before, tiles.table, tiles.pages]
         inputs += [last.shapes, after, last.table, self._free, self._count, self._end]
         places, ranges = np.zeros((len(poses), len(before), LEVELS), np.int32), np.empty(len(poses) + 1, np.int32)
-        launcher.launch_on_host(place_tiles, [*inputs, places, tiles.order, tiles.kept, tiles.jobs, ranges])
+        inputs += [places, tiles.order, tiles.kept, tiles.jobs, ranges]
+        launcher.start(launcher.on_host(place_tiles, inputs))
         end = int(self._end.host[0])
         if end >= MOST_ADDRESSED:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")

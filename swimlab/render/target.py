@@ -11,7 +11,7 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Jobs, Tiles
 from swimlab.render.charts import Charts, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, part_jobs
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, choose_levels, part_jobs
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, read_with
@@ -24,21 +24,25 @@ from swimlab.render.texture import MipChain
 class Screen:
     """Which pixel sees which chart, frame after frame; its arrays serve all frames with as many pixels and charts.
 
-    shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. shown: places
-    among the charts of those in sight. segments: [n], numbers of the charts that have a target, rising: those in sight,
-    and some that were, as far charts come and go. narrowest: [n] (see `choose_levels`).
+    shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. in_sight: how
+    many charts are. segments: [n], numbers of the charts that have a target, rising: those in sight, and some that
+    were, as far charts come and go.
     """
 
-    def __init__(self, launcher: Launcher, anisotropy: int, most: int = 0) -> None:
-        """anisotropy: most probes of a footprint when light is pasted. most: targets, unless more are in sight."""
-        self._launcher, self.anisotropy, self._most = launcher, anisotropy, most
+    def __init__(self, launcher: Launcher, anisotropy: int, shading: int, most: int = 0) -> None:
+        """anisotropy: most probes of a footprint when light is pasted. shading: what is shaded (see `placing`).
+
+        most: targets, unless more are in sight.
+        """
+        self._launcher, self.anisotropy, self._shading, self._most = launcher, anisotropy, shading, most
         self.visible: Any = launcher.empty((0, 0), wp.int32)
-        self._seen, self._targets = (launcher.shared((0,), wp.int32) for _ in range(2))
+        self._seen, self._targets, self._places = (launcher.shared((0,), wp.int32) for _ in range(3))
+        self._counts = launcher.shared((2,), wp.int32)
         self._charts: Charts | None = None
-        self.segments, self.narrowest = np.zeros(0, np.int64), launcher.shared((0,), wp.float64)
+        self.segments = np.zeros(0, np.int64)
 
     def see(self, shot: Shot, tiles_of: Callable[[NDArray[np.int64]], Tiles]) -> Tiles:
-        """Rasterise a frame's screen once, and set what pasting reads of the tiles of some segments' charts.
+        """Rasterise a frame's screen once, and mark the tiles of some segments' charts, with all in sight.
 
         tiles_of: tiles of the charts with these numbers.
         """
@@ -51,16 +55,13 @@ class Screen:
         self._seen.fill(0)
         tiles = tiles_of(self.segments)
         self.mark(tiles, draws=True)
-        self._seen.fetch()
-        self.shown = np.flatnonzero(self._seen.host)
-        if self._targets.host[self.shown].min(initial=0) < 0:
-            seen = charts.segments[self.shown]
+        self.in_sight, have_targets = self._counts.host.tolist()
+        if have_targets < self.in_sight:
+            seen = charts.segments[self._seen.host != 0]
             wanted = np.union1d(self.segments, seen)
             self._assign(charts, wanted if len(wanted) <= self._most else seen)
             tiles = tiles_of(self.segments)
             self.mark(tiles)
-        self.narrowest.host.fill(-1.0)
-        self.narrowest.host[self._targets.host[self.shown]] = charts.narrowest[self.shown]
         return tiles
 
     def _assign(self, charts: Charts, segments: NDArray[np.int64]) -> None:
@@ -70,9 +71,9 @@ class Screen:
         launcher, count = self._launcher, charts.segments.shape
         if self._seen.host.shape != count:
             self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
-        if self.narrowest.host.shape != segments.shape:
-            self.narrowest = launcher.shared(segments.shape, wp.float64)
-        place = placed(segments, charts.segments)
+        if self._places.host.shape != segments.shape:
+            self._places = launcher.shared(segments.shape, wp.int32)
+        self._places.host[...] = place = placed(segments, charts.segments)
         has = np.flatnonzero(place >= 0)
         self._targets.host.fill(-1)
         self._targets.host[place[has]] = has
@@ -80,15 +81,23 @@ class Screen:
         self._charts = charts
 
     def mark(self, tiles: Tiles, *, draws: bool = False) -> None:
-        """Set what pasting reads of each tile. draws: whether it is found anew which triangle each pixel sees."""
-        launcher, shot, atlas = self._launcher, self.shot, tiles.atlas
-        atlas.charts, atlas.targets = charts_of(shot).owners, self._targets.device
+        """Set what pasting reads of each tile, and which are shaded and kept.
+
+        draws: whether it is found anew which triangle each pixel sees.
+        """
+        launcher, shot, atlas, charts = self._launcher, self.shot, tiles.atlas, charts_of(self.shot)
+        atlas.charts, atlas.targets = charts.owners, self._targets.device
         tiles.need.fill(NEVER)
         kernel, triangles = read_with(marking(self.anisotropy).on(launcher.device)), shot.triangles
         inputs = [draws, self.grid, triangles.edges, triangles.planes, triangles.bounds]
         inputs += [self.visible, self._seen.device, atlas, tiles.need.device]
-        launcher.over(shot.view.height, kernel, (), inputs)
-        tiles.need.fetch()
+        read = launcher.laid_out(shot.view.height, kernel, (), inputs)
+        known = [self._seen, charts.narrowest, self._places, tiles.shapes, tiles.need, self._shading]
+        choose = launcher.on_host(choose_levels, [*known, tiles.table, tiles.finest, self._counts])
+        read()
+        for array in (tiles.need, self._seen):
+            array.fetch()
+        launcher.start(choose)
 
 
 class Lighting:
@@ -103,7 +112,7 @@ class Lighting:
         ranges, size = np.empty(WAYS + 1, np.int32), self.shot.material.size
         inputs = [tiles.jobs, *jobs.as_in(self.shot.frame), tiles.shapes, drawn.widened]
         inputs += [max(size), size[0] == size[1], tiles.parted, ranges]
-        launcher.launch_on_host(part_jobs, inputs)
+        launcher.start(launcher.on_host(part_jobs, inputs))
         tiles.parted.send()
         ends = ranges.tolist()
         for way in range(WAYS):

@@ -48,26 +48,40 @@ def tiles_in_sight(shapes: wp.array2d(dtype=wp.int32), finest: wp.array(dtype=wp
 
 @wp.kernel
 def choose_levels(
-    shapes: wp.array2d(dtype=wp.int32),
+    seen: wp.array(dtype=wp.int32),
     narrowest: wp.array(dtype=wp.float64),
+    charts: wp.array(dtype=wp.int32),
+    shapes: wp.array2d(dtype=wp.int32),
     need: wp.array(dtype=wp.int32),
     shading: wp.int32,
     table: wp.array2d(dtype=wp.int32),
     finest: wp.array(dtype=wp.int32),
+    in_sight: wp.array(dtype=wp.int32),
 ):
     """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
 
-    shapes: as in Atlas. narrowest: the least extent in u or v of the triangles of each target's chart, less than 0 for
-    one out of sight, of which nothing is shaded. Texels larger than a triangle may miss it, so they are shaded at a
-    finer level and reduced. Of coarse levels all are kept.
+    seen: which charts are in sight. narrowest: the least extent in u or v of the triangles of each chart. charts: of
+    each target, -1 for none. shapes: as in Atlas. in_sight: receives how many charts are, and how many targets. Of a
+    target out of sight nothing is shaded. Texels larger than a triangle may miss it, so they are shaded at a finer
+    level and reduced. Of coarse levels all are kept.
     """
+    for i in range(2):
+        in_sight[i] = 0
+    for chart in range(seen.shape[0]):
+        in_sight[0] += wp.where(seen[chart] != 0, wp.int32(1), wp.int32(0))
     for k in range(shapes.shape[0]):
         first = shapes[k, 3]
-        texels = narrowest[k] * wp.float64(shapes[k, 0])
+        chart = charts[k]
+        shown = wp.bool(False)
         coarsest = wp.int32(0)
-        while texels >= wp.float64(2.0):
-            texels *= wp.float64(0.5)
-            coarsest += 1
+        if chart >= 0:
+            shown = seen[chart] != 0
+        if shown:
+            in_sight[1] += 1
+            texels = narrowest[chart] * wp.float64(shapes[k, 0])
+            while texels >= wp.float64(2.0):
+                texels *= wp.float64(0.5)
+                coarsest += 1
         least = wp.int32(NEVER)
         for entry in range(first, first + tiles_in(shapes, k)):
             keep = need[entry]
@@ -75,7 +89,7 @@ def choose_levels(
                 keep = wp.min(keep, coarsest)
             least = wp.min(least, keep)
             shade = keep
-            if narrowest[k] >= wp.float64(0.0) and (shading == ALL or (shading == VISIBLE and keep != NEVER)):
+            if shown and (shading == ALL or (shading == VISIBLE and keep != NEVER)):
                 shade = wp.int32(0)
             table[KEEP, entry] = keep
             table[SHADE, entry] = shade

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, field_validator
 
+from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
@@ -60,24 +61,26 @@ class TslSettings(Settings):
         return size
 
 
+def screen_of(launcher: Launcher, settings: TslSettings, most: int = 0) -> Screen:
+    """A screen that has seen nothing. most: targets, unless more are in sight."""
+    return Screen(launcher, settings.anisotropy, SHADING[settings.texels], most)
+
+
 def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    shading = SHADING[settings.texels]
     tiles = screen.see(shot, lambda segments: shelf.take(segments, np.full(len(segments), settings.size, np.int32)))
-    tiles.choose(shot.launcher, screen.narrowest, shading)
-    if settings.sizes == "fitted" and len(screen.shown) > 0:
+    if settings.sizes == "fitted" and screen.in_sight > 0:
         sizes = tiles.layout.widths
         fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
         if not np.array_equal(fitted, sizes):
             tiles = shelf.take(screen.segments, fitted)
             screen.mark(tiles)
-            tiles.choose(shot.launcher, screen.narrowest, shading)
     return tiles
 
 
 def planned_alone(shot: Shot, settings: TslSettings) -> tuple[Screen, Tiles]:
     """A screen that has seen one frame, and the tiles that its picture takes."""
-    screen = Screen(shot.launcher, settings.anisotropy)
+    screen = screen_of(shot.launcher, settings)
     return screen, planned(screen, shot, settings, Shelf(shot.launcher))
 
 
@@ -91,7 +94,7 @@ class Targets:
         """Any of the shots."""
         launcher, fitted = shot.launcher, settings.sizes == "fitted"
         self._settings, self._shelf = settings, Shelf(launcher, 2 if fitted else 1)
-        self._screen = Screen(launcher, settings.anisotropy, most_targets(settings))
+        self._screen = screen_of(launcher, settings, most_targets(settings))
         self._pool, self._ways = Pool(launcher), Ways(shot, INPUTS[settings.inputs])
         self._epochs, self._lightings = Epochs(settings.reuse, settings.tolerance), dict[int, Lighting]()
         self._held = self._nothing = Held.nothing(launcher)
@@ -99,13 +102,14 @@ class Targets:
     def frame(self, shot: Shot) -> Picture:
         """The shot's picture."""
         screen, epochs, pool = self._screen, self._epochs, self._pool
-        tiles = planned(screen, shot, self._settings, self._shelf)
-        if len(screen.shown) == 0:
-            return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
+        # What can be is done before the first kernel, as kernels empty the caches.
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
         self._lightings[shot.frame] = Lighting(shot, self._ways)
+        tiles = planned(screen, shot, self._settings, self._shelf)
+        if screen.in_sight == 0:
+            return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
         # Until this frame is done nothing is known of what is held.
         held, self._held = self._held, self._nothing
         epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)

@@ -109,7 +109,7 @@ def test_charts_that_come_and_go_keep_their_targets(shoot, render, monkeypatch, 
     monkeypatch.setattr(tsl, "MOST_TILES", 4 * most)
     sequence, settings = load("road-shift").with_changes(size=(96, 54)), tsl.TslSettings(size=64, texels=texels)
     launcher, renderer, idle = shoot(sequence).launcher, tsl.TECHNIQUE.begin(), []
-    screen, shelf = Screen(launcher, 16, most), Shelf(launcher)
+    screen, shelf = tsl.screen_of(launcher, settings, most), Shelf(launcher)
     for frame in range(8):
         shot = shoot(sequence, frame)
         tsl.planned(screen, shot, settings, shelf)
