@@ -6,6 +6,7 @@ records one launch, which loads the kernel; of later ones only the arguments are
 
 import ctypes
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,12 +115,17 @@ def _kind(argument: Any, first: Any) -> Kind | None:
     if not isinstance(declared, wp.array):
         return None
     dtype = first.dtype if declared.dtype is Any else declared.dtype
+    return Kind(dtype, declared.ndim, *as_numbers(dtype))
+
+
+@cache
+def as_numbers(dtype: Any) -> tuple[Any, tuple[int, ...]]:
+    """NumPy's numbers of Warp's type, None for a structure, and the axes more that vectors and matrices have."""
     to_numpy: Any = wp.dtype_to_numpy
     try:
-        number = np.dtype(to_numpy(getattr(dtype, "_wp_scalar_type_", dtype)))
+        return np.dtype(to_numpy(getattr(dtype, "_wp_scalar_type_", dtype))), tuple(getattr(dtype, "_shape_", ()))
     except TypeError:
-        number = None
-    return Kind(dtype, declared.ndim, number, tuple(getattr(dtype, "_shape_", ())))
+        return None, ()
 
 
 def _formed(value: Any, kind: Kind | None, form: Any) -> Any:

@@ -15,7 +15,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.crew import Crew
-from metrics.kernels.host import Dim, HostLaunch, host_launch
+from metrics.kernels.host import Dim, HostLaunch, as_numbers, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.shared import Shared
 from metrics.kernels.starting import start_warp
@@ -210,6 +210,13 @@ class Launcher:
         return wp.array(
             ptr=held.ctypes.data, dtype=dtype, shape=shape, device="cpu", deleter=lambda *_, held=held: None
         )
+
+    def unset(self, shape: tuple[int, ...], dtype: Any) -> Any:
+        """An array that launches fill, read by `on_host`: on the CPU the host's, which costs less than Warp's."""
+        if self.device != "cpu":
+            return self.empty(shape, dtype)
+        number, inner = as_numbers(dtype)
+        return unset((*shape, *inner), number)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:
         """An array on the device filled with 0."""

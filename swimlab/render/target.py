@@ -165,7 +165,7 @@ def painted(screen: Screen, tiles: Tiles, texels: Any, lights: Iterable[Callable
     """The picture [H, W] on the device: tiles are lit and reduced, and the light is the texture."""
     shot = screen.shot
     launcher, height = shot.launcher, shot.view.height
-    picture = launcher.empty((height, shot.view.width), wp.vec4)
+    picture = launcher.unset((height, shot.view.width), wp.vec4)
     kernel = paste_with(paged(screen.anisotropy).on(launcher.device))
     inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, picture]
     # All is laid out before the first kernel, as kernels empty the caches.

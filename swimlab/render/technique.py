@@ -75,9 +75,9 @@ def render_samples(
     """Shade n x n samples a pixel and average them; with n > 1 the error is half the difference of two halves."""
     launcher, triangles, grid = shot.launcher, shot.triangles, shot.grid(n, jittered=jittered)
     size = (shot.view.height, shot.view.width)
-    picture = launcher.empty(size, wp.vec4)
-    error = launcher.empty(size, wp.vec4) if n > 1 else picture  # to which nothing is written for one sample
-    shaded = launcher.empty(shot.view.height, wp.int32)
+    picture = launcher.unset(size, wp.vec4)
+    error = launcher.unset(size, wp.vec4) if n > 1 else picture  # to which nothing is written for one sample
+    shaded = launcher.unset((shot.view.height,), wp.int32)
     core = core_of(shot, texture_filter, inputs)
     given = [n, grid, triangles.edges, triangles.planes, triangles.bounds, *core.arguments, picture, error, shaded]
     launcher.over(
@@ -166,5 +166,7 @@ def total(counts: Any) -> int:
 
 
 def on_host(array: Any) -> NDArray[Any]:
-    """A device array's values, to be read: the same memory where that is the CPU's."""
+    """An array's values, to be read: the same memory where it is the host's."""
+    if isinstance(array, np.ndarray):
+        return array
     return np.asarray(array) if array.device.is_cpu else np.asarray(array.numpy())

@@ -87,7 +87,7 @@ class Recursion:
         self._fresh, self._places = launcher.empty(size, wp.vec4), launcher.empty(size, wp.vec4)
         # 1/w at pixels' centres, of this step and of the one before.
         self._nearness, self._nearness_before = launcher.empty(size, wp.float32), launcher.empty(size, wp.float32)
-        self._shaded = launcher.empty(shot.view.height, wp.int32)
+        self._shaded = launcher.unset((shot.view.height,), wp.int32)
         self.picture: Any = None
 
     @property
@@ -100,7 +100,7 @@ class Recursion:
         launcher, view, triangles, grid = shot.launcher, shot.view, shot.triangles, shot.grid()
         x, y = self._jitters[step % len(self._jitters)]
         origin = wp.vec2d(view.origin[0] + x * view.pitch[0], view.origin[1] + y * view.pitch[1])
-        picture = launcher.empty((view.height, view.width), wp.vec4)
+        picture = launcher.unset((view.height, view.width), wp.vec4)
         fresh = picture if self.picture is None else self._fresh
         sample = launcher.laid_out(
             view.height,

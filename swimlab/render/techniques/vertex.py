@@ -171,7 +171,7 @@ def render(shot: Shot, settings: VertexSettings) -> Picture:
     """Shade the vertices with inputs filtered to their spacing, interpolate with correct perspective."""
     launcher, grid, vertices = shot.launcher, shot.grid(), vertices_of(shot, settings.quads)
     texels = max(size / quads for size, quads in zip(shot.material.size, settings.quads, strict=True))
-    picture = launcher.empty((shot.view.height, shot.view.width), wp.vec4)
+    picture = launcher.unset((shot.view.height, shot.view.width), wp.vec4)
     chosen = vertices.sampled(launcher, grid)
     # All is laid out before anything else runs, as kernels empty the caches.
     colours, shade = vertices.to_shade(shot, log2(texels))
