@@ -1,8 +1,8 @@
-"""Threads that help the calling one with strips of rows, in native code.
+"""Threads that help the calling one with strips of rows.
 
-Helpers sleep in native code too, so that they are woken, work and are waited for without the interpreter lock, and have
-no Python of their own to go through with cold caches. They sleep on locks of Python's C API (`PyThread_acquire_lock`,
-of its stable interface), which there are on every system.
+They work and sleep in native code, so that they are woken and waited for without the interpreter lock, and have no
+Python of their own to go through with cold caches. They sleep on locks of Python's C API (`PyThread_acquire_lock`, of
+its stable interface), which there are on every system.
 """
 
 import ctypes
@@ -14,118 +14,7 @@ from weakref import finalize
 import warp as wp
 
 from metrics.kernels.host import Dim, HostLaunch, host_launch
-
-TYPES = """
-    struct Strips { void* function; void* each; void* last; int rows; int height; int taken; };
-    struct Helper { void* wake; void* done; Strips* strips; void* arguments; Helper* next; int idle; int serves; };
-    using Acquire = auto (void*, int) -> int;
-    using Release = auto (void*) -> void;
-    const auto take = [](Strips* strips, void* arguments) {
-        for (;;) {
-            const int first = strips->height*__atomic_fetch_add(&strips->taken, 1, __ATOMIC_RELAXED);
-            const int left = strips->rows - first;
-            if (left <= 0) return;
-            *(int*)arguments = first;
-            ((void (*)(void*, void*))strips->function)(left < strips->height ? strips->last : strips->each, arguments);
-        }
-    };
-    const auto claim = [](Helper* helper) {
-        int idle = 1;
-        return __atomic_compare_exchange_n(&helper->idle, &idle, 0, false, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
-    };
-"""
-
-LEAD = """
-    void** own = (void**)arguments;
-    Helper* mine = nullptr;
-    for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count && asked > 0; ++helper) {
-        if (!claim(helper)) continue;
-        helper->strips = (Strips*)strips;
-        helper->arguments = own[asked--];
-        helper->next = mine;
-        mine = helper;
-        ((Release*)release)(helper->wake);
-    }
-    take((Strips*)strips, own[0]);
-    while (mine) {
-        Helper* const helper = mine;
-        mine = helper->next;
-        // Who has not woken by now finds nothing left, and sleeps on.
-        if (!((Acquire*)acquire)(helper->wake, 0)) ((Acquire*)acquire)(helper->done, 1);
-        __atomic_store_n(&helper->idle, 1, __ATOMIC_SEQ_CST);
-        if (!__atomic_load_n(&helper->serves, __ATOMIC_SEQ_CST) && claim(helper)) ((Release*)release)(helper->wake);
-    }
-"""
-
-SERVE = """
-    Helper* const helper = (Helper*)own;
-    for (;;) {
-        ((Acquire*)acquire)(helper->wake, 1);
-        if (!__atomic_load_n(&helper->serves, __ATOMIC_SEQ_CST)) return;
-        take(helper->strips, helper->arguments);
-        ((Release*)release)(helper->done);
-    }
-"""
-
-DISMISS = """
-    for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count; ++helper) {
-        __atomic_store_n(&helper->serves, 0, __ATOMIC_SEQ_CST);
-        if (claim(helper)) ((Release*)release)(helper->wake);
-    }
-"""
-
-
-@wp.func_native(TYPES + LEAD)
-def take_together(
-    strips: wp.uint64,
-    arguments: wp.uint64,
-    asked: wp.int32,
-    helpers: wp.uint64,
-    count: wp.int32,
-    acquire: wp.uint64,
-    release: wp.uint64,
-):
-    """See `lead`."""
-
-
-@wp.kernel(enable_backward=False)
-def lead(
-    strips: wp.uint64,
-    arguments: wp.uint64,
-    asked: wp.int32,
-    helpers: wp.uint64,
-    count: wp.int32,
-    acquire: wp.uint64,
-    release: wp.uint64,
-):
-    """Take strips, as helpers do that are woken for it, and wait for these. All are given by where they are in memory.
-
-    arguments: where those of the calling thread are, and those for each of the helpers that are asked for at most.
-    helpers: so many, some of which may be helping others. acquire, release: what acquires and releases a lock.
-    """
-    take_together(strips, arguments, asked, helpers, count, acquire, release)
-
-
-@wp.func_native(TYPES + SERVE)
-def take_when_woken(own: wp.uint64, acquire: wp.uint64, release: wp.uint64):
-    """See `serve`."""
-
-
-@wp.kernel(enable_backward=False)
-def serve(own: wp.uint64, acquire: wp.uint64, release: wp.uint64):
-    """Be a helper: take strips whenever it is woken, until it no longer serves."""
-    take_when_woken(own, acquire, release)
-
-
-@wp.func_native(TYPES + DISMISS)
-def let_go(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
-    """See `dismiss`."""
-
-
-@wp.kernel(enable_backward=False)
-def dismiss(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
-    """Have helpers serve no longer: who is idle is woken to see it, others see to it who lead them."""
-    let_go(helpers, count, release)
+from metrics.kernels.strips import dismiss, lead, serve
 
 
 class Strips(ctypes.Structure):
@@ -148,7 +37,8 @@ class Helper(ctypes.Structure):
     """What a thread that helps and who leads it both know.
 
     wake, done: locks, which are free only when it is asked for something, and has done it. strips, arguments: of a
-    launch. next: another one that helps with it. idle: whether it is there, and nobody leads it. serves: see `dismiss`.
+    launch, null for it to end. next: another one that helps with it. idle: whether it is there, and nobody leads it.
+    serves: whether it is to go on.
     """
 
     _fields_ = (

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from metrics.kernels.shared import Shared
-from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, place_tiles
+from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, WAYS, place_tiles
 from swimlab.render.kernels.texture_space import Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS
 from swimlab.render.layout import Ints, Layout, matched
@@ -27,9 +28,8 @@ class Tiles:
     table: [ROWS, entries] (see `swimlab.render.kernels.placing`). pages: [entries], the `table` of Pages. atlas: as
     kernels take them.
 
-    Tiles to be shaded, as `light_tiles` takes them: jobs, [entries, 4], of which so many are set; parted, the same,
-    those of one way behind those of another; order and kept, [entries], its `tiles` and `kept`; lit, [entries], the
-    texels of each of parted.
+    Tiles to be shaded, as `light_tiles` takes them: jobs, [entries, 4], of which so many are set; order and kept,
+    [entries], its `tiles` and `kept`; lit, [entries], the texels of each job.
     """
 
     def __init__(self, launcher: Launcher, layout: Layout) -> None:
@@ -38,7 +38,7 @@ class Tiles:
         self.shapes.host[...] = layout.shapes
         self.finest = launcher.shared((len(layout.widths),), wp.int32)
         self.table, self._other = (launcher.shared((ROWS, *size), wp.int32) for _ in range(2))
-        self.jobs, self.parted = (launcher.shared((*size, 4), wp.int32) for _ in range(2))
+        self.jobs = launcher.shared((*size, 4), wp.int32)
         self.need, self.pages, self.order, self.kept, self.lit = (launcher.shared(size, wp.int32) for _ in range(5))
         self.atlas: Any = Atlas()
         self.atlas.shapes = launcher.view(self.shapes.host, wp.vec4i)
@@ -53,7 +53,7 @@ class Tiles:
     def shaded(self, jobs: "Jobs") -> int:
         """How many texels were lit, when all jobs are done."""
         self.lit.fetch()
-        return int(self.lit.host[: jobs.ranges[-1]].sum(dtype=np.int64))
+        return int(self.lit.host[: jobs.total].sum(dtype=np.int64))
 
 
 class Shelf:
@@ -72,24 +72,43 @@ class Shelf:
         return self._kept[-1]
 
 
-class Jobs(NamedTuple):
-    """Which jobs are of which light.
+class Lights(NamedTuple):
+    """What tiles may be lit as: in frames that follow each other.
 
-    oldest: the first frame that any is lit as in. ranges: of each frame from that on its first job, and the end.
+    oldest: the first of them. poses: of each a number of where eye and sun were. widened: [frames, targets], whether
+    its charts are. square: whether the maps are as long as wide. texels: of them along their longer side.
     """
 
     oldest: int
-    ranges: list[int]
+    poses: Sequence[int]
+    widened: NDArray[np.bool_]
+    square: bool
+    texels: int
+
+
+class Jobs(NamedTuple):
+    """Which jobs are of which light.
+
+    oldest: the first frame that any is lit as in. ranges: of each frame from that on the first job of each way, and the
+    end.
+    """
+
+    oldest: int
+    ranges: list[list[int]]
+
+    @property
+    def total(self) -> int:
+        """How many there are."""
+        return self.ranges[-1][-1]
 
     @property
     def frames(self) -> list[int]:
         """The frames that tiles are lit as in."""
-        return [self.oldest + k for k in range(len(self.ranges) - 1) if self.ranges[k] < self.ranges[k + 1]]
+        return [frame for frame, ends in enumerate(self.ranges, self.oldest) if ends[0] < ends[-1]]
 
-    def as_in(self, frame: int) -> tuple[int, int]:
-        """The first job of a frame, and one past the last."""
-        first = frame - self.oldest
-        return self.ranges[first], self.ranges[first + 1]
+    def of(self, frame: int) -> list[tuple[int, int]]:
+        """Of each way to light a frame's jobs the first of them, and one past the last."""
+        return list(pairwise(self.ranges[frame - self.oldest]))
 
 
 class Held(NamedTuple):
@@ -117,21 +136,22 @@ class Pool:
         self._end, self._count = launcher.shared((1,), wp.int64), launcher.shared((KINDS,), wp.int32)
         self._free = launcher.shared((KINDS, 0), wp.int32)
 
-    def place(self, tiles: Tiles, poses: Sequence[int], oldest: int, last: Held) -> Jobs:
+    def place(self, tiles: Tiles, lights: Lights, last: Held) -> Jobs:
         """Complete the table and the pages of tiles whose EPOCH is known, and say what is to be shaded.
 
-        last: what holds blocks, all that does; they are kept or given back. poses: a number of where eye and sun
-        were in each frame from `oldest` on. Raises RunError for more texels than can be addressed.
+        last: what holds blocks, all that does; they are kept or given back. Raises RunError for more texels than can be
+        addressed.
         """
         launcher, layout = self._launcher, tiles.layout
         if last.layout.entries == 0:
             self._end.host[:], self._count.host[:] = MOST_TEXELS, 0
         self._make_room(int(self._count.host.max()) + last.layout.entries)
         before, after = matched(layout, last.layout)
-        inputs = [oldest, np.array(poses, np.int32), tiles.shapes, tiles.finest, before, tiles.table, tiles.pages]
-        inputs += [last.shapes, after, last.table, self._free, self._count, self._end]
-        places, ranges = np.zeros((len(poses), len(before), LEVELS), np.int32), np.empty(len(poses) + 1, np.int32)
-        inputs += [places, tiles.order, tiles.kept, tiles.jobs, ranges]
+        frames, targets = lights.widened.shape
+        places, ranges = np.zeros((frames, targets, LEVELS), np.int32), np.empty((frames, WAYS + 1), np.int32)
+        inputs = [lights.oldest, np.array(lights.poses, np.int32), lights.widened, lights.square, lights.texels]
+        inputs += [tiles.shapes, tiles.finest, before, tiles.table, tiles.pages, last.shapes, after, last.table]
+        inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ranges]
         launcher.start(launcher.on_host(place_tiles, inputs))
         end = int(self._end.host[0])
         if end >= MOST_ADDRESSED:
@@ -140,9 +160,9 @@ class Pool:
             grown = launcher.empty(end + end // 4, wp.vec4)
             wp.copy(grown, self.texels)
             self.texels = grown
-        for array in (tiles.pages, tiles.order, tiles.kept, tiles.finest):
+        for array in (tiles.pages, tiles.order, tiles.kept, tiles.jobs, tiles.finest):
             array.send()
-        return Jobs(oldest, ranges.tolist())
+        return Jobs(lights.oldest, ranges.tolist())
 
     def _make_room(self, room: int) -> None:
         """Room for so many free blocks of each kind."""

@@ -6,6 +6,7 @@ highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e
 has turned by as much. That frame follows from the sequence alone, so that what was rendered before changes no bit.
 """
 
+from collections.abc import Iterable
 from math import e, sqrt
 from typing import NamedTuple
 
@@ -62,10 +63,9 @@ class Epochs:
         """The first frame whose light may be kept until now."""
         return self._now.frame - self._reuse + 1
 
-    @property
-    def poses(self) -> list[int]:
-        """A number for each frame from the oldest on, the same where eye and sun are the same."""
-        return [pose.number for pose in self._window]
+    def poses(self, frames: Iterable[int]) -> list[int]:
+        """A number for each of some frames up to now, the same where eye and sun are the same."""
+        return [self._pose(frame).number for frame in frames]
 
     def _pose(self, frame: int) -> Pose:
         if frame not in self._poses:
@@ -80,11 +80,12 @@ class Epochs:
             self._poses[frame] = Pose(*pose, self._numbers.setdefault(pose, len(self._numbers)))
         return self._poses[frame]
 
-    def find(self, tiles: Tiles, last: Held) -> None:
-        """Fill EPOCH of tiles. last: those of one frame ago, nothing where that was not rendered."""
+    def find(self, tiles: Tiles, last: Held) -> range:
+        """Fill EPOCH of tiles, and say which frames that may be. last: tiles of one frame ago, nothing where that was
+        not rendered."""
         tiles.table.host[EPOCH] = self._now.frame
-        if self._tolerance == 0 or len(set(self.poses)) == 1:
-            return
+        if self._tolerance == 0 or len({pose.number for pose in self._window}) == 1:
+            return range(self._now.frame, self._now.frame + 1)
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
         whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
@@ -108,6 +109,7 @@ class Epochs:
         ]
         launcher.over(len(rows.before), follow, (), inputs)
         tiles.table.fetch()
+        return self._frames()
 
     def _frames(self) -> range:
         return range(self.oldest, self._now.frame + 1)

@@ -1,6 +1,6 @@
 """Targets of texture-space lighting: a segment of the road drawn with atlas coordinates as positions, and lit."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,10 +8,10 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Jobs, Tiles
-from swimlab.render.charts import Charts, charts_of
+from swimlab.render.atlas import Jobs, Lights, Tiles
+from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, WAYS, choose_levels, part_jobs
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN, choose_levels
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, read_with
@@ -106,23 +106,27 @@ class Lighting:
     def __init__(self, shot: Shot, ways: "Ways") -> None:
         self.shot, self._ways, self._charts = shot, ways, charts_of(shot)
 
+    def drawn(self, tiles: Tiles) -> Drawn:
+        """The charts that this frame draws in targets."""
+        return self._charts.drawn(tiles.layout)
+
     def of(self, jobs: Jobs, tiles: Tiles, texels: Any) -> Iterator[Callable[[], None]]:
         """What lights the jobs of this frame where the pages say, but for coarse levels."""
-        launcher, drawn = self.shot.launcher, self._charts.drawn(tiles.layout)
-        ranges, size = np.empty(WAYS + 1, np.int32), self.shot.material.size
-        inputs = [tiles.jobs, *jobs.as_in(self.shot.frame), tiles.shapes, drawn.widened]
-        inputs += [max(size), size[0] == size[1], tiles.parted, ranges]
-        launcher.start(launcher.on_host(part_jobs, inputs))
-        tiles.parted.send()
-        ends = ranges.tolist()
-        for way in range(WAYS):
-            begin, end = ends[way : way + 2]
+        drawn = self.drawn(tiles)
+        for way, (begin, end) in enumerate(jobs.of(self.shot.frame)):
             if begin < end:
                 kernel, chain = self._ways.of(way)
-                inputs = [begin, tiles.parted.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
+                inputs = [begin, tiles.jobs.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
                 inputs += [drawn.triangles.edges, drawn.triangles.planes]
                 inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
-                yield launcher.laid_out(end - begin, kernel, (), inputs)
+                yield self.shot.launcher.laid_out(end - begin, kernel, (), inputs)
+
+
+def lights_of(lightings: Sequence[Lighting], poses: Sequence[int], tiles: Tiles) -> Lights:
+    """What tiles may be lit as. lightings: of frames that follow each other. poses: see Lights."""
+    first = lightings[0].shot
+    widened, size = np.array([each.drawn(tiles).widened for each in lightings]), first.material.size
+    return Lights(first.frame, poses, widened, size[0] == size[1], max(size))
 
 
 class Ways:

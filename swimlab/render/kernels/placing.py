@@ -206,8 +206,28 @@ def hold_tiles(
 
 
 @wp.func
+def way_of(
+    widened: wp.array2d(dtype=wp.bool),
+    square: wp.bool,
+    texels: wp.int32,
+    shapes: wp.array2d(dtype=wp.int32),
+    epoch: wp.int32,
+    target: wp.int32,
+    level: wp.int32,
+) -> wp.int32:
+    """How a level of a target is lit. Between texels of the maps two normals that are blended by magnification are no
+    roughness."""
+    if shapes[target, 0] >> level > texels:
+        return wp.int32(BETWEEN)
+    return wp.where(square and not widened[epoch, target], wp.int32(ALIGNED), wp.int32(FILTERED))
+
+
+@wp.func
 def order_jobs(
     oldest: wp.int32,
+    widened: wp.array2d(dtype=wp.bool),
+    square: wp.bool,
+    texels: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
     finest: wp.array(dtype=wp.int32),
     table: wp.array2d(dtype=wp.int32),
@@ -215,11 +235,13 @@ def order_jobs(
     tiles: wp.array(dtype=wp.int32),
     kept: wp.array(dtype=wp.int32),
     jobs: wp.array2d(dtype=wp.int32),
-    ranges: wp.array(dtype=wp.int32),
+    ranges: wp.array2d(dtype=wp.int32),
 ):
-    """Jobs of all tiles that are to be shaded now, by epoch, target and level (see `swimlab.render.kernels.tiles`).
+    """Jobs of all tiles to be shaded now, by epoch, way, target and level (see `swimlab.render.kernels.tiles`).
 
-    places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs + 1], the first job of each epoch.
+    widened: [epochs, targets], whether a target's chart is. square: whether the maps are as long as wide. texels: of
+    them along their longer side. places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs, WAYS + 1], the
+    first job of each, and the end.
     """
     for k in range(shapes.shape[0]):
         for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
@@ -229,20 +251,23 @@ def order_jobs(
     placed = wp.int32(0)
     found = wp.int32(0)
     for epoch in range(places.shape[0]):
-        ranges[epoch] = found
-        for k in range(shapes.shape[0]):
-            for level in range(LEVELS):
-                stop = placed + places[epoch, k, level]
-                places[epoch, k, level] = placed
-                while placed < stop:
-                    together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k, 2] + level)), stop - placed)
-                    jobs[found, 0] = k
-                    jobs[found, 1] = level
-                    jobs[found, 2] = placed
-                    jobs[found, 3] = together
-                    found += 1
-                    placed += together
-    ranges[places.shape[0]] = found
+        for way in range(WAYS):
+            ranges[epoch, way] = found
+            for k in range(shapes.shape[0]):
+                for level in range(LEVELS):
+                    wanted = places[epoch, k, level]
+                    if wanted > 0 and way_of(widened, square, texels, shapes, epoch, k, level) == way:
+                        stop = placed + wanted
+                        places[epoch, k, level] = placed
+                        while placed < stop:
+                            together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k, 2] + level)), stop - placed)
+                            jobs[found, 0] = k
+                            jobs[found, 1] = level
+                            jobs[found, 2] = placed
+                            jobs[found, 3] = together
+                            found += 1
+                            placed += together
+        ranges[epoch, wp.static(WAYS)] = found
     for k in range(shapes.shape[0]):
         for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
@@ -258,6 +283,9 @@ def order_jobs(
 def place_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
+    widened: wp.array2d(dtype=wp.bool),
+    square: wp.bool,
+    texels: wp.int32,
     shapes: wp.array2d(dtype=wp.int32),
     finest: wp.array(dtype=wp.int32),
     before: wp.array(dtype=wp.int32),
@@ -273,40 +301,8 @@ def place_tiles(
     tiles: wp.array(dtype=wp.int32),
     kept: wp.array(dtype=wp.int32),
     jobs: wp.array2d(dtype=wp.int32),
-    ranges: wp.array(dtype=wp.int32),
+    ranges: wp.array2d(dtype=wp.int32),
 ):
     """Hold tiles, and put what is to be shaded in order."""
     hold_tiles(oldest, poses, shapes, finest, before, now, pages, last_shapes, after, last, free, count, end)
-    order_jobs(oldest, shapes, finest, now, places, tiles, kept, jobs, ranges)
-
-
-@wp.kernel
-def part_jobs(
-    jobs: wp.array2d(dtype=wp.int32),
-    begin: wp.int32,
-    end: wp.int32,
-    shapes: wp.array2d(dtype=wp.int32),
-    widened: wp.array(dtype=wp.bool),
-    texels: wp.int32,
-    square: wp.bool,
-    parted: wp.array2d(dtype=wp.int32),
-    ranges: wp.array(dtype=wp.int32),
-):
-    """Put jobs begin ... end of one way behind those of another; ranges: [WAYS + 1], the first job of each.
-
-    widened: whether a target's chart is. texels: of the maps along their longer side. square: whether both are
-    as long. Between texels of the maps two normals that are blended by magnification are no roughness.
-    """
-    found = wp.int32(begin)
-    for way in range(WAYS):
-        ranges[way] = found
-        for job in range(begin, end):
-            target = jobs[job, 0]
-            mine = wp.where(square and not widened[target], wp.int32(ALIGNED), wp.int32(FILTERED))
-            if shapes[target, 0] >> jobs[job, 1] > texels:
-                mine = wp.int32(BETWEEN)
-            if mine == way:
-                for column in range(4):
-                    parted[found, column] = jobs[job, column]
-                found += 1
-    ranges[WAYS] = found
+    order_jobs(oldest, widened, square, texels, shapes, finest, now, places, tiles, kept, jobs, ranges)

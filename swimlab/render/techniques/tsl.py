@@ -20,7 +20,7 @@ from swimlab.render.kernels.tiles import TILE_LEVEL
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, Ways, painted
+from swimlab.render.target import Lighting, Screen, Ways, lights_of, painted
 from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -112,8 +112,9 @@ class Targets:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
         # Until this frame is done nothing is known of what is held.
         held, self._held = self._held, self._nothing
-        epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)
-        jobs = pool.place(tiles, epochs.poses, epochs.oldest, held)
+        frames = epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)
+        lightings = [self._lighting(frame) for frame in frames]
+        jobs = pool.place(tiles, lights_of(lightings, epochs.poses(frames), tiles), held)
         lights = (light for frame in jobs.frames for light in self._lighting(frame).of(jobs, tiles, pool.texels))
         picture = painted(screen, tiles, pool.texels, lights)
         if self._settings.reuse > 1:

@@ -8,7 +8,7 @@ import numpy as np
 from swimlab.render.atlas import Held, Pool
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Ways, painted
+from swimlab.render.target import Lighting, Ways, lights_of, painted
 from swimlab.render.technique import Image, to_image
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.studies.page import Cell, Section, Table
@@ -68,9 +68,9 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     screen, tiles = planned_alone(shot, settings)
     pool, before = Pool(shot.launcher), shot.at(shot.frame - 1)
     tiles.table.host[EPOCH] = before.frame
-    jobs = pool.place(tiles, [0], before.frame, Held.nothing(shot.launcher))
-    lights = Lighting(before, Ways(before, INPUTS[settings.inputs])).of(jobs, tiles, pool.texels)
-    return to_image(painted(screen, tiles, pool.texels, lights))
+    lighting = Lighting(before, Ways(before, INPUTS[settings.inputs]))
+    jobs = pool.place(tiles, lights_of([lighting], [0], tiles), Held.nothing(shot.launcher))
+    return to_image(painted(screen, tiles, pool.texels, lighting.of(jobs, tiles, pool.texels)))
 
 
 def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:

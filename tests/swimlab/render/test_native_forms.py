@@ -392,4 +392,4 @@ def test_tables_are_read_as_on_the_host(launcher, name, k):
 def test_no_native_code_stands_without_a_plain_form():
     roots = [Path(package.__path__[0]) for package in (swimlab.render, metrics.kernels)]
     found = {path.name for root in roots for path in root.rglob("*.py") if "func_native" in path.read_text()}
-    assert found == {"crew.py", "forms.py", "table.py"}
+    assert found == {"forms.py", "strips.py", "table.py"}

@@ -1,6 +1,7 @@
 """Light that `tsl` keeps from frame to frame: when it is made anew, and that what was rendered before moves no bit."""
 
 from contextlib import suppress
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,9 +12,9 @@ from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render import atlas
 from swimlab.render import target as screen
-from swimlab.render.atlas import Held, Pool, Tiles
+from swimlab.render.atlas import Held, Lights, Pool, Tiles
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.placing import ANEW, EPOCH, KEEP, POSE, SHADE, START
+from swimlab.render.kernels.placing import ALIGNED, ANEW, BETWEEN, EPOCH, FILTERED, KEEP, POSE, SHADE, START, WAYS
 from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.render.layout import Layout, matched
@@ -116,6 +117,14 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert late[0] == 0
     assert np.all(np.diff(late) > 0)
     assert np.all(np.diff(shaded) < 0)
+
+
+def lights(layout, poses, widened=(), square=True, texels=32):
+    """What tiles may be lit as from frame 0 on. widened: (frame, target) of charts that are."""
+    found = np.zeros((len(poses), len(layout.widths)), bool)
+    for frame, target in widened:
+        found[frame, target] = True
+    return Lights(0, poses, found, square, texels)
 
 
 def tiles_of(launcher, layout, shade=0, keep=0):
@@ -228,7 +237,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
         tiles = tiles_of(launcher, layout, keep, keep)
         table, held = tiles.table.host, last.table.host
         table[EPOCH] = epochs
-        pool.place(tiles, [7, 8], 0, last)
+        pool.place(tiles, lights(layout, [7, 8]), last)
         kept, start, anew = table[KEEP], table[START], table[ANEW]
         blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
         begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
@@ -250,19 +259,22 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)
-@given(frames=clips())
-def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
-    """Jobs are of one frame, one target and one level each, and no larger than a whole tile."""
+@given(frames=clips(), square=st.booleans(), texels=st.sampled_from([8, 32]), widened=st.sets(st.integers(0, 1)))
+def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames, square, texels, widened):
+    """Jobs are of one frame, way, target and level each, and no larger than a whole tile."""
     layout, keep, epochs = frames[0]
     tiles = tiles_of(launcher, layout, keep, keep)
     table = tiles.table.host
     table[EPOCH] = epochs
-    jobs = Pool(launcher).place(tiles, [0, 1], 0, Held.nothing(launcher))
+    given = lights(layout, [0, 1], {(frame, 0) for frame in widened}, square, texels)
+    jobs = Pool(launcher).place(tiles, given, Held.nothing(launcher))
     order, done = tiles.order.host, []
-    for frame in jobs.frames:
-        for target, level, first, count in tiles.jobs.host[slice(*jobs.as_in(frame))].tolist():
+    for frame, way in product(jobs.frames, range(WAYS)):
+        for target, level, first, count in tiles.jobs.host[slice(*jobs.of(frame)[way])].tolist():
             mine = order[first : first + count]
             done += mine.tolist()
+            fits = square and not (target == 0 and frame in widened)
+            assert way == (BETWEEN if layout.widths[target] >> level > texels else ALIGNED if fits else FILTERED)
             assert count << 2 * (layout.tile_levels[target] - level) <= 4**TILE_LEVEL
             assert (np.searchsorted(layout.firsts - 1, mine, side="right") - 1 == target).all()
             assert (table[ANEW, mine] == level).all()
@@ -270,13 +282,13 @@ def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames):
             assert np.array_equal(tiles.kept.host[first : first + count], keep[mine])
     of_tiles = np.setdiff1d(np.flatnonzero(keep != NEVER), layout.firsts - 1)
     assert sorted(done) == of_tiles.tolist()
+    assert jobs.total == sum(end - begin for frame in jobs.frames for begin, end in jobs.of(frame))
 
 
 FAILING = [
     (screen, "placed"),
     (Screen, "_assign"),
     (Screen, "mark"),
-    (Tiles, "choose"),
     (Epochs, "look"),
     (Epochs, "find"),
     (Pool, "place"),

@@ -11,7 +11,6 @@ from swimlab.render.atlas import Shelf
 from swimlab.render.kernels.packet import PLACES
 from swimlab.render.kernels.texture_space import NEVER, Atlas, marking, pages_of
 from swimlab.render.kernels.tiles import TILE_LEVEL
-from swimlab.render.target import Screen
 from swimlab.render.techniques import tsl
 
 SHORT = load("road-shift").with_changes(

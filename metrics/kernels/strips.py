@@ -1,0 +1,124 @@
+"""Strips of rows that threads take one after another in native code: between two of them nobody waits for Python.
+
+A kernel's first argument is the first row of its strip. Whoever leads wakes helpers, takes strips and waits for those
+who have woken; a helper takes strips whenever it is woken. See `metrics.kernels.crew` for what they share in memory.
+"""
+
+import warp as wp
+
+TYPES = """
+    struct Strips { void* function; void* each; void* last; int rows; int height; int taken; };
+    struct Helper { void* wake; void* done; Strips* strips; void* arguments; Helper* next; int idle; int serves; };
+    using Acquire = auto (void*, int) -> int;
+    using Release = auto (void*) -> void;
+    const auto take = [](Strips* strips, void* arguments) {
+        for (;;) {
+            const int first = strips->height*__atomic_fetch_add(&strips->taken, 1, __ATOMIC_RELAXED);
+            const int left = strips->rows - first;
+            if (left <= 0) return;
+            *(int*)arguments = first;
+            ((void (*)(void*, void*))strips->function)(left < strips->height ? strips->last : strips->each, arguments);
+        }
+    };
+    const auto claim = [](Helper* helper) {
+        int idle = 1;
+        return __atomic_compare_exchange_n(&helper->idle, &idle, 0, false, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
+    };
+    const auto let_go = [claim](Helper* helper, Release* release) {
+        if (!claim(helper)) return;
+        helper->strips = nullptr;
+        release(helper->wake);
+    };
+"""
+
+LEAD = """
+    void** own = (void**)arguments;
+    Helper* mine = nullptr;
+    for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count && asked > 0; ++helper) {
+        if (!claim(helper)) continue;
+        helper->strips = (Strips*)strips;
+        helper->arguments = own[asked--];
+        helper->next = mine;
+        mine = helper;
+        ((Release*)release)(helper->wake);
+    }
+    take((Strips*)strips, own[0]);
+    while (mine) {
+        Helper* const helper = mine;
+        mine = helper->next;
+        // Who has not woken by now finds nothing left, and sleeps on.
+        if (!((Acquire*)acquire)(helper->wake, 0)) ((Acquire*)acquire)(helper->done, 1);
+        __atomic_store_n(&helper->idle, 1, __ATOMIC_SEQ_CST);
+        if (!__atomic_load_n(&helper->serves, __ATOMIC_SEQ_CST)) let_go(helper, (Release*)release);
+    }
+"""
+
+SERVE = """
+    Helper* const helper = (Helper*)own;
+    for (;;) {
+        ((Acquire*)acquire)(helper->wake, 1);
+        if (!helper->strips) return;
+        take(helper->strips, helper->arguments);
+        ((Release*)release)(helper->done);
+    }
+"""
+
+DISMISS = """
+    for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count; ++helper) {
+        __atomic_store_n(&helper->serves, 0, __ATOMIC_SEQ_CST);
+        let_go(helper, (Release*)release);
+    }
+"""
+
+
+@wp.func_native(TYPES + LEAD)
+def take_together(
+    strips: wp.uint64,
+    arguments: wp.uint64,
+    asked: wp.int32,
+    helpers: wp.uint64,
+    count: wp.int32,
+    acquire: wp.uint64,
+    release: wp.uint64,
+):
+    """See `lead`."""
+
+
+@wp.kernel(enable_backward=False)
+def lead(
+    strips: wp.uint64,
+    arguments: wp.uint64,
+    asked: wp.int32,
+    helpers: wp.uint64,
+    count: wp.int32,
+    acquire: wp.uint64,
+    release: wp.uint64,
+):
+    """Take strips, as helpers do that are woken for it, and wait for these. All are given by where they are in memory.
+
+    arguments: where those of the calling thread are, and those for each of the helpers that are asked for at most.
+    helpers: so many, some of which may be helping others. acquire, release: what acquires and releases a lock.
+    """
+    take_together(strips, arguments, asked, helpers, count, acquire, release)
+
+
+@wp.func_native(TYPES + SERVE)
+def take_when_woken(own: wp.uint64, acquire: wp.uint64, release: wp.uint64):
+    """See `serve`."""
+
+
+@wp.kernel(enable_backward=False)
+def serve(own: wp.uint64, acquire: wp.uint64, release: wp.uint64):
+    """Be a helper: take strips whenever it is woken, until there are none for it."""
+    take_when_woken(own, acquire, release)
+
+
+@wp.func_native(TYPES + DISMISS)
+def let_go_of(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
+    """See `dismiss`."""
+
+
+@wp.kernel(enable_backward=False)
+def dismiss(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
+    """Have helpers end: now who is idle, others as soon as nobody leads them."""
+    let_go_of(helpers, count, release)

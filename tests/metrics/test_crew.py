@@ -1,0 +1,122 @@
+"""Helpers: all strips are taken once, whoever is there to take them, and helpers end with who asked for them."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+import warp as wp
+
+from metrics.kernels.crew import Crew
+from metrics.kernels.host import host_launch
+
+ROWS, HEIGHT = 1000, 4
+DIMS = (HEIGHT,), (ROWS % HEIGHT or HEIGHT,)
+
+
+@wp.kernel(enable_backward=False)
+def count_slowly(first: wp.int32, rounds: wp.int32, times: wp.array(dtype=wp.int32), spun: wp.array(dtype=wp.float64)):
+    row = first + wp.tid()
+    for _ in range(rounds):
+        spun[row] = wp.sqrt(spun[row] + wp.float64(1.0))
+    times[row] += 1
+
+
+def laid_out(crew, helpers, rounds=1):
+    """A launch, and how often it has been on each row."""
+    times = wp.zeros(ROWS, dtype=wp.int32, device="cpu")
+    spun = wp.zeros(ROWS, dtype=wp.float64, device="cpu")
+    launch = host_launch(count_slowly, DIMS[0], [0, rounds, times, spun])
+    return crew.together(launch, ROWS, HEIGHT, DIMS, [()] * helpers), times
+
+
+def is_once(times):
+    return (times.numpy() == 1).all()
+
+
+def helpers_of(started_by):
+    before = set(threading.enumerate())
+    started_by()
+    return [thread for thread in threading.enumerate() if thread not in before and thread.name == "swimlab"]
+
+
+@pytest.mark.parametrize("helpers", [0, 1, 3, 9])
+def test_all_strips_are_taken_once(helpers):
+    """Also where more helpers are asked for than there are."""
+    crew = Crew(3)
+    for _ in range(50):
+        launch, times = laid_out(crew, helpers)
+        launch.launch()
+        assert is_once(times)
+    crew.close()
+
+
+def test_no_more_helpers_start_than_are_asked_for():
+    crew = Crew(5)
+    assert len(helpers_of(lambda: laid_out(crew, 2)[0].launch())) == 2
+    assert len(helpers_of(lambda: laid_out(crew, 2)[0].launch())) == 0
+    assert len(helpers_of(lambda: laid_out(crew, 9)[0].launch())) == 3
+    crew.close()
+
+
+def test_who_does_not_wake_is_not_waited_for(monkeypatch):
+    """As after a fork, which takes no threads along, or where all cores are busy."""
+    monkeypatch.setattr(threading.Thread, "start", lambda _: None)
+    crew = Crew(2)
+    for _ in range(2):
+        launch, times = laid_out(crew, 2)
+        launch.launch()
+        assert is_once(times)
+
+
+def test_launches_at_the_same_time_share_the_helpers():
+    crew = Crew(2)
+
+    def run(_):
+        launch, times = laid_out(crew, 2, rounds=20)
+        launch.launch()
+        return is_once(times)
+
+    with ThreadPoolExecutor(4) as callers:
+        assert all(callers.map(run, range(200)))
+    crew.close()
+
+
+@pytest.mark.parametrize("rounds", [1, 10, 100, 1000])
+def test_who_helps_when_it_is_closed_ends_thereafter(rounds):
+    crew, launches = Crew(3), []
+    started = helpers_of(lambda: launches.append(laid_out(crew, 3, rounds)))
+    assert len(started) == 3
+    ((launch, times),) = launches
+    running = threading.Thread(target=launch.launch)
+    running.start()
+    crew.close()
+    for thread in (running, *started):
+        thread.join(60)
+        assert not thread.is_alive()
+    assert is_once(times)
+
+
+def test_what_is_laid_out_runs_when_all_helpers_have_ended():
+    crew = Crew(2)
+    launch, times = laid_out(crew, 2)
+    crew.close()
+    launch.launch()
+    assert is_once(times)
+    with pytest.raises(RuntimeError, match="closed"):
+        laid_out(crew, 2)
+
+
+def test_helpers_that_could_not_start_are_tried_again(monkeypatch):
+    crew, start = Crew(1), threading.Thread.start
+
+    def fail(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", fail)
+    with pytest.raises(RuntimeError, match="can't start"):
+        laid_out(crew, 1)
+    monkeypatch.setattr(threading.Thread, "start", start)
+    launch, times = laid_out(crew, 1)
+    launch.launch()
+    assert is_once(times)
+    crew.close()
