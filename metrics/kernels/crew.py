@@ -117,6 +117,8 @@ class Crew:
             with self._starting:
                 for helper in self._helpers[self._started : count]:
                     self._start_one(helper)
+            if not self.close.alive:  # meanwhile
+                _end(self._ends, self._helpers)
 
     def _start_one(self, helper: Helper) -> None:
         # All is made here, which loads the kernels: whoever starts a thread may hold what it would wait for.
