@@ -1,7 +1,7 @@
 """Which charts have targets, how large, and the order of their tiles in tables."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,15 +61,29 @@ class Layout:
         """[n], each target's own place."""
         return np.arange(len(self.widths), dtype=np.int32)
 
+    @cached_property
+    def nowhere(self) -> Ints:
+        """[n], -1."""
+        return np.full(len(self.widths), -1, np.int32)
+
     def has(self, segments: NDArray[np.int64], widths: Ints) -> bool:
         """Whether it is the layout of these."""
-        return np.array_equal(self.segments, segments) and np.array_equal(self.widths, widths)
+        pairs = (self.segments, segments), (self.widths, widths)
+        return all(mine is other or np.array_equal(mine, other) for mine, other in pairs)
+
+
+@lru_cache(maxsize=4)
+def alike(targets: int, width: int) -> Ints:
+    """[targets], the width of each."""
+    return np.full(targets, width, np.int32)
 
 
 def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:
     """Of each target of a layout its place in another, -1 where that has none as large; and the other way round."""
     if now is last:
         return now.places, now.places
+    if len(last.widths) == 0:
+        return now.nowhere, last.places
     place = placed(now.segments, last.segments)
     found = np.flatnonzero(place >= 0)
     found = found[last.widths[place[found]] == now.widths[found]]

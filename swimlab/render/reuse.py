@@ -50,7 +50,7 @@ class Epochs:
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
         self._whole = {frame: old for frame, old in self._whole.items() if frame in near}
         self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
-        self._window = [self._pose(frame) for frame in self._frames()]
+        self._window = [self._pose(frame) for frame in self._frames()] if self._reuse > 1 else []
 
     def shot(self, frame: int) -> Shot:
         """Another frame of the sequence."""
@@ -65,7 +65,7 @@ class Epochs:
 
     def poses(self, frames: Iterable[int]) -> list[int]:
         """A number for each of some frames up to now, the same where eye and sun are the same."""
-        return [self._pose(frame).number for frame in frames]
+        return [self._pose(frame).number if self._reuse > 1 else 0 for frame in frames]
 
     def _pose(self, frame: int) -> Pose:
         if frame not in self._poses:
@@ -84,11 +84,11 @@ class Epochs:
         """Fill EPOCH of tiles, and say which frames that may be. last: tiles of one frame ago, nothing where that was
         not rendered."""
         tiles.table.host[EPOCH] = self._now.frame
-        if self._tolerance == 0 or len({pose.number for pose in self._window}) == 1:
+        if self._tolerance == 0 or len({pose.number for pose in self._window}) < 2:
             return range(self._now.frame, self._now.frame + 1)
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
-        whole = np.stack([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
+        whole = np.array([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
         # What had the number of a wire's or a post's chart then was another one.
         whole &= np.isin(layout.segments, self._now.mesh.segments[~self._now.mesh.loose])
         for table in (tiles.table, last.table):

@@ -17,6 +17,7 @@ from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.layout import alike
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
@@ -68,7 +69,7 @@ def screen_of(launcher: Launcher, settings: TslSettings, most: int = 0) -> Scree
 
 def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    tiles = screen.see(shot, lambda segments: shelf.take(segments, np.full(len(segments), settings.size, np.int32)))
+    tiles = screen.see(shot, lambda segments: shelf.take(segments, alike(len(segments), settings.size)))
     if settings.sizes == "fitted" and screen.in_sight > 0:
         sizes = tiles.layout.widths
         fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
