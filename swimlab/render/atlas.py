@@ -67,9 +67,12 @@ class Shelf:
         """The tiles of some targets (see Layout)."""
         for tiles in self._kept:
             if tiles.layout.has(segments, widths):
-                return tiles
-        self._kept.append(Tiles(self._launcher, Layout(segments, widths)))
-        return self._kept[-1]
+                self._kept.remove(tiles)
+                break
+        else:
+            tiles = Tiles(self._launcher, Layout(segments, widths))
+        self._kept.append(tiles)  # the last that goes when there is no room
+        return tiles
 
 
 class Lights(NamedTuple):
