@@ -111,14 +111,17 @@ class Crew:
 
     def _start(self, count: int) -> None:
         """Have so many helpers, or as many as there may be."""
-        if not self.close.alive:
+        if self._is_closed():
             raise RuntimeError("closed: its threads have ended")
         if self._started < min(count, len(self._helpers)):
             with self._starting:
                 for helper in self._helpers[self._started : count]:
                     self._start_one(helper)
-            if not self.close.alive:  # meanwhile
+            if self._is_closed():  # meanwhile
                 _end(self._ends, self._helpers)
+
+    def _is_closed(self) -> bool:
+        return not self.close.alive
 
     def _start_one(self, helper: Helper) -> None:
         # All is made here, which loads the kernels: whoever starts a thread may hold what it would wait for.

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, TypeVar
 
 import warp as wp
@@ -117,20 +117,12 @@ class Shot:
     def grid(self, n: int = 1, *, jittered: bool = False) -> Any:
         """The frame's sample grid (a Grid) with n x n cells a pixel."""
         view = self.view
-        pitch = view.pitch[0] / n, view.pitch[1] / n
-        return _grid(view.origin, pitch, view.width * n, view.height * n, jittered, self.sequence.seed)
-
-
-@lru_cache(maxsize=16)
-def _grid(
-    origin: tuple[float, float], pitch: tuple[float, float], width: int, height: int, jittered: bool, seed: int
-) -> Any:
-    """A Grid, which techniques that render the same frame share: to make one takes longer than to lay out a launch."""
-    grid: Any = Grid()
-    grid.origin, grid.pitch = wp.vec2d(*origin), wp.vec2d(*pitch)
-    grid.width, grid.height = width, height
-    grid.jittered, grid.seed = int(jittered), _signed(seed)
-    return grid
+        grid: Any = Grid()
+        grid.origin = wp.vec2d(*view.origin)
+        grid.pitch = wp.vec2d(view.pitch[0] / n, view.pitch[1] / n)
+        grid.width, grid.height = view.width * n, view.height * n
+        grid.jittered, grid.seed = int(jittered), _signed(self.sequence.seed)
+        return grid
 
 
 def _signed(seed: int) -> int:
