@@ -18,7 +18,7 @@ from sequences import Road
 from swimlab.render.atlas import Held, Tiles
 from swimlab.render.kernels.epochs import follow
 from swimlab.render.kernels.placing import EPOCH
-from swimlab.render.layout import Ints, Layout, matched
+from swimlab.render.layout import Ints, Layout, matched, placed
 from swimlab.render.mesh import charts_in
 from swimlab.render.shot import Kept, Shot
 
@@ -38,7 +38,7 @@ class Epochs:
     def __init__(self, reuse: int, tolerance: float) -> None:
         self._reuse, self._tolerance = reuse, tolerance
         self._shots: dict[int, Shot] = {}
-        self._whole: dict[int, NDArray[np.int64]] = {}
+        self._drawn: dict[int, Roads] = {}
         self._poses: dict[int, Pose] = {}
         self._numbers: dict[object, int] = {}
         self._rows = Kept()
@@ -48,7 +48,7 @@ class Epochs:
         self._now = shot
         near = range(self.oldest, shot.frame)
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
-        self._whole = {frame: old for frame, old in self._whole.items() if frame in near}
+        self._drawn = {frame: old for frame, old in self._drawn.items() if frame in near}
         self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
         self._window = [self._pose(frame) for frame in self._frames()] if self._reuse > 1 else []
 
@@ -88,9 +88,9 @@ class Epochs:
             return range(self._now.frame, self._now.frame + 1)
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
-        whole = np.array([np.isin(layout.segments, self._whole_segments(frame)) for frame in self._frames()])
+        whole = np.array([placed(layout.segments, self._roads(frame).whole) >= 0 for frame in self._frames()])
         # What had the number of a wire's or a post's chart then was another one.
-        whole &= np.isin(layout.segments, self._now.mesh.segments[~self._now.mesh.loose])
+        whole &= placed(layout.segments, self._roads(self._now.frame).segments) >= 0
         for table in (tiles.table, last.table):
             table.send()
         inputs = [
@@ -114,9 +114,8 @@ class Epochs:
     def _frames(self) -> range:
         return range(self.oldest, self._now.frame + 1)
 
-    def _whole_segments(self, frame: int) -> NDArray[np.int64]:
-        """Segments of the road that a frame draws to both ends, and that face the eye all over."""
-        if frame not in self._whole:
+    def _roads(self, frame: int) -> "Roads":
+        if frame not in self._drawn:
             mesh = self.shot(frame).mesh
             road = ~mesh.loose
             segments, first = charts_in(mesh.segments[road])
@@ -124,8 +123,16 @@ class Epochs:
             whole = np.minimum.reduceat(v.min(axis=1), first) == 0.0
             whole &= np.maximum.reduceat(v.max(axis=1), first) == 1.0
             whole &= np.minimum.reduceat(mesh.facing[road], first)
-            self._whole[frame] = segments[whole]
-        return self._whole[frame]
+            self._drawn[frame] = Roads(segments, segments[whole])
+        return self._drawn[frame]
+
+
+class Roads(NamedTuple):
+    """Segments of the road that a frame draws, rising, and those that it draws to both ends and that face the eye all
+    over."""
+
+    segments: NDArray[np.int64]
+    whole: NDArray[np.int64]
 
 
 class Rows(NamedTuple):
