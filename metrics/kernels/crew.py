@@ -14,43 +14,7 @@ from weakref import finalize
 import warp as wp
 
 from metrics.kernels.host import Dim, HostLaunch, host_launch
-from metrics.kernels.strips import dismiss, lead, serve
-
-
-class Strips(ctypes.Structure):
-    """Strips of a launch: `rows` in all, `height` of each but the last.
-
-    function: the kernel's. each, last: bounds of a strip of all its rows and of the last one. taken: how many were.
-    """
-
-    _fields_ = (
-        ("function", ctypes.c_void_p),
-        ("each", ctypes.c_void_p),
-        ("last", ctypes.c_void_p),
-        ("rows", ctypes.c_int32),
-        ("height", ctypes.c_int32),
-        ("taken", ctypes.c_int32),
-    )
-
-
-class Helper(ctypes.Structure):
-    """What a thread that helps and who leads it both know.
-
-    wake, done: locks, which are free only when it is asked for something, and has done it. strips, arguments: of a
-    launch, null for it to end. next: another one that helps with it. idle: whether it is there, and nobody leads it.
-    serves: whether it is to go on.
-    """
-
-    _fields_ = (
-        ("wake", ctypes.c_void_p),
-        ("done", ctypes.c_void_p),
-        ("strips", ctypes.c_void_p),
-        ("arguments", ctypes.c_void_p),
-        ("next", ctypes.c_void_p),
-        ("idle", ctypes.c_int32),
-        ("serves", ctypes.c_int32),
-    )
-
+from metrics.kernels.strips import Helper, Strips, dismiss, lead, serve
 
 _C: Any = ctypes.pythonapi
 _C.PyThread_allocate_lock.restype = ctypes.c_void_p
@@ -114,31 +78,41 @@ class Crew:
         if self._is_closed():
             raise RuntimeError("closed: its threads have ended")
         if self._started < min(count, len(self._helpers)):
-            with self._starting:
-                for helper in self._helpers[self._started : count]:
-                    self._start_one(helper)
-            if self._is_closed():  # meanwhile
-                _end(self._ends, self._helpers)
+            # Made before the lock is taken, as it loads the kernels: who waits for the lock may hold what that needs.
+            self._ends[:] = [host_launch(dismiss, 1, [ctypes.addressof(self._helpers), len(self._helpers), RELEASE])]
+            serving = [host_launch(serve, 1, [ctypes.addressof(each), ACQUIRE, RELEASE]) for each in self._helpers]
+            try:
+                with self._starting:
+                    for k in range(self._started, min(count, len(self._helpers))):
+                        self._start_one(self._helpers[k], serving[k])
+            finally:
+                if self._is_closed():  # meanwhile
+                    _end(self._ends, self._helpers)
+
+    def _start_one(self, helper: Helper, serving: HostLaunch) -> None:
+        """Whenever this is cut short, all goes on: who leads does not wait for a helper that has no thread."""
+        if not helper.serves:
+            helper.wake, helper.done = (_held_lock(self._locks) for _ in range(2))
+            helper.idle = 1
+            helper.serves = 1
+        self._started += 1
+        try:
+            Thread(target=_serve, args=(serving, self._helpers), name="swimlab", daemon=True).start()
+        except RuntimeError:
+            self._started -= 1
+            raise
 
     def _is_closed(self) -> bool:
         return not self.close.alive
 
-    def _start_one(self, helper: Helper) -> None:
-        # All is made here, which loads the kernels: whoever starts a thread may hold what it would wait for.
-        serving = host_launch(serve, 1, [ctypes.addressof(helper), ACQUIRE, RELEASE])
-        self._ends[:] = [host_launch(dismiss, 1, [ctypes.addressof(self._helpers), len(self._helpers), RELEASE])]
-        if helper.wake is None:
-            helper.wake, helper.done = (_held_lock(self._locks) for _ in range(2))
-        helper.serves = 1
-        Thread(target=_serve, args=(serving, self._helpers), name="swimlab", daemon=True).start()
-        helper.idle = 1
-        self._started += 1
-
 
 def _held_lock(known: list[int]) -> int:
-    known.append(_C.PyThread_allocate_lock())
-    _C.PyThread_acquire_lock(known[-1], 1)
-    return known[-1]
+    lock: int | None = _C.PyThread_allocate_lock()
+    if lock is None:
+        raise MemoryError("no lock for another thread")
+    known.append(lock)
+    _C.PyThread_acquire_lock(lock, 1)
+    return lock
 
 
 def _serve(serving: HostLaunch, _helpers: Any) -> None:

@@ -132,7 +132,7 @@ class Launcher:
         """Start one kernel in the calling thread."""
         self.start(self.record(kernel, dim, inputs))
 
-    def on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> HostLaunch:
+    def record_on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> HostLaunch:
         """A launch of one thread on the host's own arrays, whatever the device, and on what it shares."""
         return host_launch(kernel, 1, [value.on_host if isinstance(value, Shared) else value for value in inputs])
 
@@ -212,10 +212,15 @@ class Launcher:
         )
 
     def unset(self, shape: tuple[int, ...], dtype: Any) -> Any:
-        """An array that launches fill, read by `on_host`: on the CPU the host's, which costs less than Warp's."""
+        """An array of numbers or vectors that launches fill: on the CPU the host's own, which costs less than Warp's.
+
+        Raises TypeError for structures.
+        """
         if self.device != "cpu":
             return self.empty(shape, dtype)
         number, inner = as_numbers(dtype)
+        if number is None:
+            raise TypeError(f"{dtype}: NumPy has no numbers for it")
         return unset((*shape, *inner), number)
 
     def zeros(self, shape: int | tuple[int, ...], dtype: Any) -> Any:

@@ -1,10 +1,49 @@
 """Strips of rows that threads take one after another in native code: between two of them nobody waits for Python.
 
 A kernel's first argument is the first row of its strip. Whoever leads wakes helpers, takes strips and waits for those
-who have woken; a helper takes strips whenever it is woken. See `metrics.kernels.crew` for what they share in memory.
+who have woken; a helper takes strips whenever it is woken. What they share in memory is declared twice, in Python and
+in C.
 """
 
+import ctypes
+
 import warp as wp
+
+
+class Strips(ctypes.Structure):
+    """Strips of a launch: `rows` in all, `height` of each but the last.
+
+    function: the kernel's. each, last: bounds of a strip of all its rows and of the last one. taken: how many were.
+    """
+
+    _fields_ = (
+        ("function", ctypes.c_void_p),
+        ("each", ctypes.c_void_p),
+        ("last", ctypes.c_void_p),
+        ("rows", ctypes.c_int32),
+        ("height", ctypes.c_int32),
+        ("taken", ctypes.c_int32),
+    )
+
+
+class Helper(ctypes.Structure):
+    """What a thread that helps and who leads it both know.
+
+    wake, done: locks, which are free only when it is asked for something, and has done it. strips, arguments: of a
+    launch, null for it to end. next: another one that helps with it. idle: whether it is there, and nobody leads it.
+    serves: whether it is to go on.
+    """
+
+    _fields_ = (
+        ("wake", ctypes.c_void_p),
+        ("done", ctypes.c_void_p),
+        ("strips", ctypes.c_void_p),
+        ("arguments", ctypes.c_void_p),
+        ("next", ctypes.c_void_p),
+        ("idle", ctypes.c_int32),
+        ("serves", ctypes.c_int32),
+    )
+
 
 TYPES = """
     struct Strips { void* function; void* each; void* last; int rows; int height; int taken; };
@@ -24,7 +63,7 @@ TYPES = """
         int idle = 1;
         return __atomic_compare_exchange_n(&helper->idle, &idle, 0, false, __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST);
     };
-    const auto let_go = [claim](Helper* helper, Release* release) {
+    const auto dismiss = [claim](Helper* helper, Release* release) {
         if (!claim(helper)) return;
         helper->strips = nullptr;
         release(helper->wake);
@@ -49,7 +88,7 @@ LEAD = """
         // Who has not woken by now finds nothing left, and sleeps on.
         if (!((Acquire*)acquire)(helper->wake, 0)) ((Acquire*)acquire)(helper->done, 1);
         __atomic_store_n(&helper->idle, 1, __ATOMIC_SEQ_CST);
-        if (!__atomic_load_n(&helper->serves, __ATOMIC_SEQ_CST)) let_go(helper, (Release*)release);
+        if (!__atomic_load_n(&helper->serves, __ATOMIC_SEQ_CST)) dismiss(helper, (Release*)release);
     }
 """
 
@@ -66,7 +105,7 @@ SERVE = """
 DISMISS = """
     for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count; ++helper) {
         __atomic_store_n(&helper->serves, 0, __ATOMIC_SEQ_CST);
-        let_go(helper, (Release*)release);
+        dismiss(helper, (Release*)release);
     }
 """
 
@@ -114,11 +153,11 @@ def serve(own: wp.uint64, acquire: wp.uint64, release: wp.uint64):
 
 
 @wp.func_native(TYPES + DISMISS)
-def let_go_of(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
+def dismiss_all(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
     """See `dismiss`."""
 
 
 @wp.kernel(enable_backward=False)
 def dismiss(helpers: wp.uint64, count: wp.int32, release: wp.uint64):
     """Have helpers end: now who is idle, others as soon as nobody leads them."""
-    let_go_of(helpers, count, release)
+    dismiss_all(helpers, count, release)

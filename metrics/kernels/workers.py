@@ -1,4 +1,4 @@
-"""Threads that help the calling one. To ask for help costs microseconds, as a frame may ask for it ten times.
+"""Threads that help the calling one with work in Python; with kernels it is a crew that helps (`metrics.kernels.crew`).
 
 The standard library's pool takes several times as long: it has futures, which wake whoever waits for any of several.
 """

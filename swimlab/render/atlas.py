@@ -75,8 +75,8 @@ class Shelf:
         return tiles
 
 
-class Lights(NamedTuple):
-    """What tiles may be lit as: in frames that follow each other.
+class LightFrames(NamedTuple):
+    """The frames whose light tiles may have: some that follow each other.
 
     oldest: the first of them. poses: of each a number of where eye and sun were. widened: [frames, targets], whether
     its charts are. square: whether the maps are as long as wide. texels: of them along their longer side.
@@ -139,7 +139,7 @@ class Pool:
         self._end, self._count = launcher.shared((1,), wp.int64), launcher.shared((KINDS,), wp.int32)
         self._free = launcher.shared((KINDS, 0), wp.int32)
 
-    def place(self, tiles: Tiles, lights: Lights, last: Held) -> Jobs:
+    def place(self, tiles: Tiles, frames: LightFrames, last: Held) -> Jobs:
         """Complete the table and the pages of tiles whose EPOCH is known, and say what is to be shaded.
 
         last: what holds blocks, all that does; they are kept or given back. Raises RunError for more texels than can be
@@ -150,12 +150,12 @@ class Pool:
             self._end.host[:], self._count.host[:] = MOST_TEXELS, 0
         self._make_room(int(self._count.host.max()) + last.layout.entries)
         before, after = matched(layout, last.layout)
-        frames, targets = lights.widened.shape
-        places, ranges = np.zeros((frames, targets, LEVELS), np.int32), np.empty((frames, WAYS + 1), np.int32)
-        inputs = [lights.oldest, np.array(lights.poses, np.int32), lights.widened, lights.square, lights.texels]
+        count, targets = frames.widened.shape
+        places, ranges = np.zeros((count, targets, LEVELS), np.int32), np.empty((count, WAYS + 1), np.int32)
+        inputs = [frames.oldest, np.array(frames.poses, np.int32), frames.widened, frames.square, frames.texels]
         inputs += [tiles.shapes, tiles.finest, before, tiles.table, tiles.pages, last.shapes, after, last.table]
         inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ranges]
-        launcher.start(launcher.on_host(place_tiles, inputs))
+        launcher.start(launcher.record_on_host(place_tiles, inputs))
         end = int(self._end.host[0])
         if end >= MOST_ADDRESSED:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
@@ -165,7 +165,7 @@ class Pool:
             self.texels = grown
         for array in (tiles.pages, tiles.order, tiles.kept, tiles.jobs, tiles.finest):
             array.send()
-        return Jobs(lights.oldest, ranges.tolist())
+        return Jobs(frames.oldest, ranges.tolist())
 
     def _make_room(self, room: int) -> None:
         """Room for so many free blocks of each kind."""

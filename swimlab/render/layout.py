@@ -73,9 +73,11 @@ class Layout:
 
 
 @lru_cache(maxsize=4)
-def alike(targets: int, width: int) -> Ints:
-    """[targets], the width of each."""
-    return np.full(targets, width, np.int32)
+def equal_widths(targets: int, width: int) -> Ints:
+    """[targets], all of one width."""
+    widths = np.full(targets, width, np.int32)
+    widths.flags.writeable = False  # since whoever asks for as many is given the same
+    return widths
 
 
 def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:

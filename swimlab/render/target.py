@@ -8,7 +8,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Jobs, Lights, Tiles
+from swimlab.render.atlas import Jobs, LightFrames, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, choose_levels
@@ -93,7 +93,7 @@ class Screen:
         inputs += [self.visible, self._seen.device, atlas, tiles.need.device]
         read = launcher.laid_out(shot.view.height, kernel, (), inputs)
         known = [self._seen, charts.narrowest, self._places, tiles.shapes, tiles.need, self._shading]
-        choose = launcher.on_host(choose_levels, [*known, tiles.table, tiles.finest, self._counts])
+        choose = launcher.record_on_host(choose_levels, [*known, tiles.table, tiles.finest, self._counts])
         read()
         for array in (tiles.need, self._seen):
             array.fetch()
@@ -122,11 +122,11 @@ class Lighting:
                 yield self.shot.launcher.laid_out(end - begin, kernel, (), inputs)
 
 
-def lights_of(lightings: Sequence[Lighting], poses: Sequence[int], tiles: Tiles) -> Lights:
-    """What tiles may be lit as. lightings: of frames that follow each other. poses: see Lights."""
+def light_frames(lightings: Sequence[Lighting], poses: Sequence[int], tiles: Tiles) -> LightFrames:
+    """The frames whose light tiles may have. lightings: of each. poses: see LightFrames."""
     first = lightings[0].shot
     widened, size = np.array([each.drawn(tiles).widened for each in lightings]), first.material.size
-    return Lights(first.frame, poses, widened, size[0] == size[1], max(size))
+    return LightFrames(first.frame, poses, widened, size[0] == size[1], max(size))
 
 
 class Ways:

@@ -16,7 +16,7 @@ from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Ways, lights_of
+from swimlab.render.target import Lighting, Ways, light_frames
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
@@ -69,7 +69,7 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     table[SHADE, mine] = table[KEEP, mine] = levels
     table[KEEP, mine.start - 1] = 0
     shown.finest.fill(0)
-    jobs = pool.place(shown, lights_of([lighting], [0], shown), Held.nothing(launcher))
+    jobs = pool.place(shown, light_frames([lighting], [0], shown), Held.nothing(launcher))
     for light in lighting.of(jobs, shown, pool.texels):
         light()
     texels, start = pool.texels.numpy(), table[START]

@@ -1,13 +1,19 @@
 """Helpers: all strips are taken once, whoever is there to take them, and helpers end with who asked for them."""
 
+import gc
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import warp as wp
 
+from metrics.kernels import crew as crews
+from metrics.kernels import host
 from metrics.kernels.crew import Crew
 from metrics.kernels.host import host_launch
+from metrics.kernels.launch import Launcher
+from metrics.kernels.making import MAKING
+from metrics.kernels.strips import dismiss, serve
 
 ROWS, HEIGHT = 1000, 4
 DIMS = (HEIGHT,), (ROWS % HEIGHT or HEIGHT,)
@@ -47,6 +53,34 @@ def test_all_strips_are_taken_once(helpers):
         launch, times = laid_out(crew, helpers)
         launch.launch()
         assert is_once(times)
+    crew.close()
+
+
+AWAIT = """
+    int* const all = (int*)here.data;
+    __atomic_store_n(all + first, 1, __ATOMIC_SEQ_CST);
+    for (long long k = 0; k < 20000000000; ++k)
+        if (__atomic_load_n(all + 1 - first, __ATOMIC_SEQ_CST)) { ((int*)met.data)[first] = 1; return; }
+"""
+
+
+@wp.func_native(AWAIT)
+def await_other(first: wp.int32, here: wp.array(dtype=wp.int32), met: wp.array(dtype=wp.int32)):
+    """Wait for the other of two strips."""
+
+
+@wp.kernel(enable_backward=False)
+def meet(first: wp.int32, here: wp.array(dtype=wp.int32), met: wp.array(dtype=wp.int32)):
+    await_other(first, here, met)
+
+
+def test_strips_are_taken_side_by_side():
+    """Each of two waits until the other is there."""
+    crew = Crew(1)
+    for _ in range(3):
+        here, met = (wp.zeros(2, dtype=wp.int32, device="cpu") for _ in range(2))
+        crew.together(host_launch(meet, 1, [0, here, met]), 2, 1, [(1,), (1,)], [()]).launch()
+        assert met.numpy().tolist() == [1, 1]
     crew.close()
 
 
@@ -94,6 +128,85 @@ def test_who_helps_when_it_is_closed_ends_thereafter(rounds):
         thread.join(60)
         assert not thread.is_alive()
     assert is_once(times)
+
+
+def test_who_starts_while_it_is_closed_ends_too(monkeypatch):
+    crew, start, started = Crew(2), threading.Thread.start, []
+
+    def close_and_start(thread):
+        crew.close()
+        start(thread)
+        started.append(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", close_and_start)
+    launch, times = laid_out(crew, 2)
+    launch.launch()
+    assert is_once(times)
+    assert len(started) == 2
+    for thread in started:
+        thread.join(60)
+        assert not thread.is_alive()
+
+
+def test_who_was_cut_short_while_it_started_helps_and_ends(monkeypatch):
+    """As by Ctrl-C."""
+    crew, start, started = Crew(2), threading.Thread.start, []
+
+    def interrupted(thread):
+        start(thread)
+        started.append(thread)
+        if len(started) == 1:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        laid_out(crew, 2)
+    for _ in range(20):
+        launch, times = laid_out(crew, 2)
+        launch.launch()
+        assert is_once(times)
+    assert len(started) == 2
+    crew.close()
+    for thread in started:
+        thread.join(60)
+        assert not thread.is_alive()
+
+
+def test_locks_are_given_back_with_the_last_helper(monkeypatch):
+    freed = []
+    monkeypatch.setattr(crews._C, "PyThread_free_lock", freed.append)
+    crew = Crew(3)
+    started = helpers_of(lambda: laid_out(crew, 3)[0].launch())
+    known = list(crew._locks)
+    assert len(known) == 6
+    del crew
+    for thread in started:
+        thread.join(60)
+    gc.collect()
+    assert sorted(freed) == sorted(known)
+
+
+def test_who_holds_what_makes_kernels_waits_for_no_other_launch(monkeypatch):
+    """While two threads are the first to have a launcher's helpers started, which loads kernels."""
+    times, spun = wp.zeros(ROWS, dtype=wp.int32, device="cpu"), wp.zeros(ROWS, dtype=wp.float64, device="cpu")
+    host_launch(count_slowly, ROWS, [0, 1, times, spun])
+    for kernel in (serve, dismiss):
+        monkeypatch.delitem(host._LOADED, kernel, raising=False)
+    with Launcher(threads=2) as launcher:
+        held = threading.Event()
+
+        def launch():
+            held.wait(60)
+            launcher.over(ROWS, count_slowly, (), [1, times, spun])
+
+        other = threading.Thread(target=launch, daemon=True)
+        other.start()
+        with MAKING:
+            held.set()
+            other.join(0.2)  # by then it needs what is held here
+            launcher.over(ROWS, count_slowly, (), [1, times, spun])
+        other.join(60)
+        assert not other.is_alive()
 
 
 def test_what_is_laid_out_runs_when_all_helpers_have_ended():

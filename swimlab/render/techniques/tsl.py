@@ -17,11 +17,11 @@ from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
-from swimlab.render.layout import alike
+from swimlab.render.layout import equal_widths
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, Ways, lights_of, painted
+from swimlab.render.target import Lighting, Screen, Ways, light_frames, painted
 from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -69,7 +69,7 @@ def screen_of(launcher: Launcher, settings: TslSettings, most: int = 0) -> Scree
 
 def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
     """Which tiles of which targets a picture takes."""
-    tiles = screen.see(shot, lambda segments: shelf.take(segments, alike(len(segments), settings.size)))
+    tiles = screen.see(shot, lambda segments: shelf.take(segments, equal_widths(len(segments), settings.size)))
     if settings.sizes == "fitted" and screen.in_sight > 0:
         sizes = tiles.layout.widths
         fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
@@ -115,7 +115,7 @@ class Targets:
         held, self._held = self._held, self._nothing
         frames = epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)
         lightings = [self._lighting(frame) for frame in frames]
-        jobs = pool.place(tiles, lights_of(lightings, epochs.poses(frames), tiles), held)
+        jobs = pool.place(tiles, light_frames(lightings, epochs.poses(frames), tiles), held)
         lights = (light for frame in jobs.frames for light in self._lighting(frame).of(jobs, tiles, pool.texels))
         picture = painted(screen, tiles, pool.texels, lights)
         if self._settings.reuse > 1:

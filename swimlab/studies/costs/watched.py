@@ -15,7 +15,11 @@ from swimlab.studies.turns import Task
 
 class WatchedLauncher(Launcher):
     """On the CPU a kernel's time is that of its threads, which other programs do not lengthen; on a GPU it is the
-    clock's, and the launcher waits for each kernel."""
+    clock's, and the launcher waits for each kernel.
+
+    Where a crew helps it is the process's, with what waking the helpers takes. A system may not yet have counted the
+    last of a helper's time, which then is in a later reading: take means or medians.
+    """
 
     def __init__(self, *, threads: int | None = None, device: str = "cpu") -> None:
         super().__init__(threads=threads, device=device)

@@ -12,7 +12,7 @@ from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render import atlas
 from swimlab.render import target as screen
-from swimlab.render.atlas import Held, Lights, Pool, Tiles
+from swimlab.render.atlas import Held, LightFrames, Pool, Tiles
 from swimlab.render.catalogue import model_of, techniques
 from swimlab.render.kernels.placing import ALIGNED, ANEW, BETWEEN, EPOCH, FILTERED, KEEP, POSE, SHADE, START, WAYS
 from swimlab.render.kernels.texture_space import NEVER
@@ -119,12 +119,12 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert np.all(np.diff(shaded) < 0)
 
 
-def lights(layout, poses, widened=(), square=True, texels=32):
+def frames_of(layout, poses, widened=(), square=True, texels=32):
     """What tiles may be lit as from frame 0 on. widened: (frame, target) of charts that are."""
     found = np.zeros((len(poses), len(layout.widths)), bool)
     for frame, target in widened:
         found[frame, target] = True
-    return Lights(0, poses, found, square, texels)
+    return LightFrames(0, poses, found, square, texels)
 
 
 def tiles_of(launcher, layout, shade=0, keep=0):
@@ -237,7 +237,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
         tiles = tiles_of(launcher, layout, keep, keep)
         table, held = tiles.table.host, last.table.host
         table[EPOCH] = epochs
-        pool.place(tiles, lights(layout, [7, 8]), last)
+        pool.place(tiles, frames_of(layout, [7, 8]), last)
         kept, start, anew = table[KEEP], table[START], table[ANEW]
         blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
         begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
@@ -266,7 +266,7 @@ def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames, square, texe
     tiles = tiles_of(launcher, layout, keep, keep)
     table = tiles.table.host
     table[EPOCH] = epochs
-    given = lights(layout, [0, 1], {(frame, 0) for frame in widened}, square, texels)
+    given = frames_of(layout, [0, 1], {(frame, 0) for frame in widened}, square, texels)
     jobs = Pool(launcher).place(tiles, given, Held.nothing(launcher))
     order, done = tiles.order.host, []
     for frame, way in product(jobs.frames, range(WAYS)):
@@ -291,6 +291,8 @@ FAILING = [
     (Screen, "mark"),
     (Epochs, "look"),
     (Epochs, "find"),
+    (Launcher, "record_on_host"),
+    (tsl, "light_frames"),
     (Pool, "place"),
     (Lighting, "__init__"),
     (Ways, "of"),

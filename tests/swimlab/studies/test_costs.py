@@ -2,15 +2,17 @@
 
 import json
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 
 import numpy as np
 import pytest
+import warp as wp
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sequences import load
 from swimlab.render.catalogue import techniques
-from swimlab.studies.costs import study
+from swimlab.studies.costs import study, watched
 from swimlab.studies.costs.parallel import WholeLauncher, parallel_tasks
 from swimlab.studies.costs.serial import Rounds, Serial, own_share, serial_share, serial_study
 from swimlab.studies.costs.watched import WatchedLauncher, watched_frames
@@ -141,6 +143,22 @@ def test_kernels_alone_draw_both_pictures_whole():
             picture.fill(0)
             task(0)()
             assert np.array_equal(picture, exact)
+
+
+@wp.kernel(enable_backward=False)
+def count_rows(first: wp.int32, times: wp.array(dtype=wp.int32)):
+    times[first + wp.tid()] += 1
+
+
+def test_time_of_helpers_is_that_of_their_kernel(monkeypatch):
+    """Where a crew helps, the process's; of a thread that starts a launch alone its own."""
+    whole, own = count(0.0, 0.5), count(0.0, 0.25)
+    monkeypatch.setattr(watched.time, "process_time", lambda: next(whole))
+    monkeypatch.setattr(watched.time, "thread_time", lambda: next(own))
+    for threads, milliseconds in ((1, 250.0), (2, 500.0)):
+        with WatchedLauncher(threads=threads) as launcher:
+            launcher.over(64, count_rows, (), [launcher.zeros(64, wp.int32)])
+            assert launcher.take() == {"count_rows": milliseconds}
 
 
 def test_rates_are_nanoseconds():
