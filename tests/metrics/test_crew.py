@@ -175,11 +175,15 @@ def test_who_was_cut_short_while_it_started_helps_and_ends(monkeypatch):
 def test_locks_are_given_back_with_the_last_helper(monkeypatch):
     freed = []
     monkeypatch.setattr(crews._C, "PyThread_free_lock", freed.append)
-    crew = Crew(3)
-    started = helpers_of(lambda: laid_out(crew, 3)[0].launch())
-    known = list(crew._locks)
+
+    def started_and_forgotten():
+        crew = Crew(3)
+        started = helpers_of(lambda: laid_out(crew, 3)[0].launch())
+        return started, list(crew._locks)
+
+    started, known = started_and_forgotten()
     assert len(known) == 6
-    del crew
+    gc.collect()
     for thread in started:
         thread.join(60)
     gc.collect()
