@@ -53,7 +53,7 @@ class Tiles:
     def shaded(self, jobs: "Jobs") -> int:
         """How many texels were lit, when all jobs are done."""
         self.lit.fetch()
-        return int(np.add.reduce(self.lit.host[: jobs.total], dtype=np.int64))
+        return int(self.lit.host[: jobs.total].sum(dtype=np.int64))
 
 
 class Shelf:
