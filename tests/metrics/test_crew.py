@@ -187,7 +187,8 @@ def test_locks_are_given_back_with_the_last_helper(monkeypatch):
     for thread in started:
         thread.join(60)
     gc.collect()
-    assert sorted(freed) == sorted(known)
+    # Helpers of other tests may end meanwhile.
+    assert sorted(lock for lock in freed if lock in known) == sorted(known)
 
 
 def test_who_holds_what_makes_kernels_waits_for_no_other_launch(monkeypatch):
