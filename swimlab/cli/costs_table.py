@@ -35,7 +35,8 @@ def print_costs(costs: Costs) -> None:
     serial.caption_justify = "left"
     serial.caption = (
         "By the clock: of the work, what a second thread does not shorten (Amdahl). The program's share of that: what "
-        "is done while the other thread has nothing to do; with a share of s expect 1/(s + (1 - s)/n) times the speed "
+        "is done while the other thread has nothing to do (at most, where threads come and go, as it is not known how "
+        "long they waited for a core); with a share of s expect 1/(s + (1 - s)/n) times the speed "
         "on n cores, if the machine gives as much. Kernels alone: how many times as fast the machine runs the same "
         "kernels on two threads, with nothing of the program between. Outside kernels: of the time of one core. "
         "Shares by the clock mean nothing while other programs run, the program's share little."
@@ -44,9 +45,6 @@ def print_costs(costs: Costs) -> None:
 
 
 def _serial_cells(each: Serial) -> list[str]:
-    own = ["–", "–"]
-    if each.own_share is not None and each.own_quartiles is not None:
-        own = [f"{each.own_share:.0%}", "{:.0%} to {:.0%}".format(*each.own_quartiles)]
     return [
         each.what,
         "{}x{}".format(*each.size),
@@ -54,7 +52,8 @@ def _serial_cells(each: Serial) -> list[str]:
         f"{each.two_ms:.1f}",
         f"{each.share:.0%}",
         "{:.0%} to {:.0%}".format(*each.quartiles),
-        *own,
+        f"{'at most ' if each.outside is None else ''}{each.own_share:.0%}",
+        "{:.0%} to {:.0%}".format(*each.own_quartiles),
         "–" if each.gain is None else f"{each.gain:.2f}",
         "–" if each.outside is None else f"{each.outside:.0%}",
         f"{each.busy:.2f}",

@@ -33,11 +33,11 @@ class Serial:
 
     shares: in each round the part s of the work for which the second thread is of no use, t2/t1 = s + (1 - s)/2
     (Amdahl 1967); beyond 0..1 where something else disturbed the round. own: the program's share of that, in each
-    round: of the work on two threads what is done while the other has nothing to do. The rest is the machine's, or that
-    of other programs; None where threads come and go meanwhile. gain: how many times as fast the machine runs the same
-    kernels as two independent launches at once as one after the other: 2 where cores share nothing. outside: of the
-    time of all cores on one thread what no kernel spent. Both are None where not all shared work is kernels. busy:
-    cores at work on average with two threads.
+    round: of the work on two threads what is done while the other has nothing to do; the rest is the machine's, or that
+    of other programs. gain: how many times as fast the machine runs the same kernels as two independent launches at
+    once as one after the other: 2 where cores share nothing. outside: of the time of all cores on one thread what no
+    kernel spent. Both are None where not all shared work is kernels; there threads come and go, nobody knows how long
+    they waited for a core, and `own` is the most that it can be. busy: cores at work on average with two threads.
     """
 
     what: str
@@ -45,7 +45,7 @@ class Serial:
     one_ms: float
     two_ms: float
     shares: Sequence[float]
-    own: Sequence[float] | None
+    own: Sequence[float]
     gain: float | None
     outside: float | None
     busy: float
@@ -61,14 +61,14 @@ class Serial:
         return _quartiles(self.shares)
 
     @property
-    def own_share(self) -> float | None:
+    def own_share(self) -> float:
         """The median of the rounds."""
-        return None if self.own is None else median(self.own)
+        return median(self.own)
 
     @property
-    def own_quartiles(self) -> tuple[float, float] | None:
+    def own_quartiles(self) -> tuple[float, float]:
         """Of the rounds."""
-        return None if self.own is None else _quartiles(self.own)
+        return _quartiles(self.own)
 
 
 def _quartiles(values: Sequence[float]) -> tuple[float, float]:
@@ -112,7 +112,7 @@ class Rounds:
             one_ms=wall(self.one),
             two_ms=wall(self.two),
             shares=[serial_share(a.wall, b.wall) for a, b in zip(self.one, self.two, strict=True)],
-            own=[own_share(each) for each in self.two] if self.kernels else None,
+            own=[own_share(each if self.kernels else each._replace(waited=0.0)) for each in self.two],
             gain=median(gains) if gains else None,
             outside=median(outside) if outside else None,
             busy=median(each.cpu / each.wall for each in self.two),
