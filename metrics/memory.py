@@ -4,6 +4,7 @@ Most large arrays are asked for just after another of the same size has gone, an
 measuring takes: that of one is kept.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ _KEPT: list[NDArray[np.uint8]] = []
 def unset(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
     """An array whose values are not set."""
     kind = np.dtype(dtype)
-    size = int(np.prod(shape, dtype=np.int64)) * kind.itemsize
+    size = math.prod(shape) * kind.itemsize
     if size < LARGE:
         return np.empty(shape, kind)
     try:

@@ -6,9 +6,9 @@ its stable interface), which there are on every system.
 """
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from threading import Lock, Thread
-from typing import Any, NamedTuple
+from typing import Any
 from weakref import finalize
 
 import warp as wp
@@ -26,24 +26,45 @@ ACQUIRE, RELEASE = (
 )
 
 
-class Together(NamedTuple):
-    """A launch over strips, of which the calling thread takes some and helpers take others.
+class Together:
+    """A launch over strips, of which the calling thread takes some and helpers take others."""
 
-    launches: with the arguments of each thread. led: what starts it. held: what it needs in memory.
-    """
+    __slots__ = ("_held", "_launches", "_led", "_strips")
 
-    launches: Sequence[HostLaunch]
-    led: HostLaunch
-    held: Sequence[Any]
+    def __init__(self, launches: Sequence[HostLaunch], led: HostLaunch, strips: Strips, held: Sequence[Any]) -> None:
+        """launches: with the arguments of each thread. led: what starts it. held: what else it needs in memory."""
+        self._launches, self._led, self._strips, self._held = launches, led, strips, held
 
     @property
     def kernel(self) -> wp.Kernel:
         """The kernel that runs on the strips."""
-        return self.launches[0].kernel
+        return self._launches[0].kernel
 
     def launch(self) -> None:
-        """Run it once, and wait."""
-        self.led.launch()
+        """Run it, and wait."""
+        self._strips.taken = 0
+        self._led.launch()
+
+    def only(self, rows: range, dim: Callable[[int], Dim]) -> None:
+        """Have it take these rows. dim: of so many."""
+        strips = self._strips
+        if strips.begin == rows.start and strips.end == rows.stop:
+            return
+        strips.begin, strips.end = rows.start, rows.stop
+        before_last = (len(rows) - 1) // strips.height
+        strips.last = ctypes.addressof(self._launches[0].of.bounds(dim(len(rows) - before_last * strips.height)))
+        self._led.arguments._2 = min(before_last, len(self._launches) - 1)  # the helpers that are asked for
+
+    def let_go(self) -> None:
+        """Hold no inputs but a helper's own (see HostLaunch)."""
+        self._launches[0].let_go()
+
+    def renew(self, inputs: Sequence[Any]) -> None:
+        """Give one that has let go other inputs, but for each thread's own (see HostLaunch)."""
+        mine, *others = self._launches
+        mine.renew(inputs)
+        for other in others:
+            other.take_over(mine, len(inputs))
 
 
 class Crew:
@@ -57,21 +78,23 @@ class Crew:
             each.atexit = False  # helpers that are left then sleep on until the process has ended
 
     def together(
-        self, launch: HostLaunch, rows: int, height: int, dims: Sequence[Dim], others: Sequence[Sequence[Any]]
+        self, launch: HostLaunch, rows: int, height: int, dim: Callable[[int], Dim], others: Sequence[Sequence[Any]]
     ) -> Together:
-        """A launch over strips (see Strips), laid out to be run once.
+        """A launch over strips (see Strips).
 
-        dims: of a strip of all its rows and of the last one. others: what a helper has in the place of the last inputs,
-        for as many helpers as may be asked for. Raises RuntimeError once this is closed.
+        dim: of so many rows. others: what a helper has in the place of the last inputs, for as many helpers as may be
+        asked for. Raises RuntimeError once this is closed.
         """
         self._start(len(others))
         launches = [launch, *map(launch.with_last, others)]
-        each, last = (ctypes.addressof(launch.of.bounds(dim)) for dim in dims)
-        strips = Strips(launch.of.address, each, last, rows, height, 0)
+        strips = Strips(function=launch.of.address, height=height)
+        strips.each = ctypes.addressof(launch.of.bounds(dim(height)))
         arguments = (ctypes.c_void_p * len(launches))(*[ctypes.addressof(each.arguments) for each in launches])
         places = [ctypes.addressof(strips), ctypes.addressof(arguments), len(others), ctypes.addressof(self._helpers)]
         led = host_launch(lead, 1, [*places, len(self._helpers), ACQUIRE, RELEASE])
-        return Together(launches, led, (strips, arguments, self._helpers))
+        together = Together(launches, led, strips, (arguments, self._helpers))
+        together.only(range(rows), dim)
+        return together
 
     def _start(self, count: int) -> None:
         """Have so many helpers, or as many as there may be."""

@@ -5,9 +5,11 @@ records one launch, which loads the kernel; of later ones only the arguments are
 """
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cache
 from typing import Any, NamedTuple
+from weakref import ref
 
 import numpy as np
 import warp as wp
@@ -38,16 +40,21 @@ def host_launch(kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> "HostLaun
             loaded = _LOADED.get(kernel) or Loaded(kernel, dim, inputs)
             loaded.arguments(inputs)  # what cannot be launched sets no kinds
             _LOADED[kernel] = loaded
-    return HostLaunch(loaded, loaded.bounds(dim), loaded.arguments(inputs), tuple(inputs))
+    return HostLaunch(loaded, dim, inputs)
 
 
-class HostLaunch(NamedTuple):
-    """A kernel, its bounds and its arguments. inputs: what is held since the arguments need its memory."""
+class HostLaunch:
+    """A launch of a kernel, its bounds and its arguments, which can be laid out again for other inputs.
 
-    of: "Loaded"
-    bounds: Any
-    arguments: Any
-    inputs: Sequence[Any]
+    inputs: what it holds until it lets go of them, since its arguments need their memory.
+    """
+
+    __slots__ = ("_known", "arguments", "bounds", "inputs", "of")
+
+    def __init__(self, of: "Loaded", dim: Dim, inputs: Sequence[Any]) -> None:
+        self.of, self.bounds, self.arguments = of, of.bounds(dim), of.arguments(inputs)
+        self._known = list[Any]()
+        self.inputs: Sequence[Any] = tuple(inputs)
 
     @property
     def kernel(self) -> wp.Kernel:
@@ -58,13 +65,46 @@ class HostLaunch(NamedTuple):
         """Run it in the calling thread."""
         self.of.function(ctypes.byref(self.bounds), ctypes.byref(self.arguments))
 
+    def only(self, rows: range, dim: Callable[[int], Dim]) -> None:
+        """Have it take these rows, of which the first one is its first input. dim: of so many."""
+        self.arguments._0, self.bounds = rows.start, self.of.bounds(dim(len(rows)))
+
+    def let_go(self) -> None:
+        """Hold no inputs, but know them again. What `renew` has set since is known already."""
+        self._known = self._known or [_known(value) for value in self.inputs]
+        self.inputs = ()
+
+    def renew(self, inputs: Sequence[Any]) -> None:
+        """Give one that has let go other inputs of the same kinds, or the first of them, where they are others.
+
+        Raises TypeError as `host_launch` does; then it is of no use any more.
+        """
+        of, known, arguments = self.of, self._known, self.arguments
+        for k, value in enumerate(inputs):
+            last = known[k]
+            if last is None or last() is not value:
+                setattr(arguments, of.names[k], of.formed(k, value))
+                known[k] = _known(value)
+        self.inputs = inputs
+
     def with_last(self, inputs: Sequence[Any]) -> "HostLaunch":
-        """The same with other inputs, Warp's arrays, in the place of the last ones."""
-        arguments = type(self.arguments).from_buffer_copy(self.arguments)
-        first = len(self.inputs) - len(inputs)
-        for k, array in enumerate(inputs, first):
-            setattr(arguments, f"_{k}", array.__ctype__())
-        return HostLaunch(self.of, self.bounds, arguments, (*self.inputs[:first], *inputs))
+        """Another one with other inputs, Warp's arrays, in the place of the last ones. It holds only these."""
+        other = copy(self)
+        other.arguments, other.inputs = type(self.arguments).from_buffer_copy(self.arguments), inputs
+        for k, array in enumerate(inputs, len(self.inputs) - len(inputs)):
+            setattr(other.arguments, f"_{k}", array.__ctype__())
+        return other
+
+    def take_over(self, other: "HostLaunch", count: int) -> None:
+        """Have the first arguments of another launch of the same kernel, so many."""
+        fields = type(self.arguments)
+        end = getattr(fields, f"_{count}").offset if count < len(fields._fields_) else ctypes.sizeof(fields)
+        ctypes.memmove(ctypes.byref(self.arguments), ctypes.byref(other.arguments), end)
+
+
+def _known(value: Any) -> Any:
+    """What tells whether an input is this array, which it does not hold; None for others, whose values may change."""
+    return ref(value) if isinstance(value, np.ndarray | wp.array) else None
 
 
 class Loaded:
@@ -77,7 +117,8 @@ class Loaded:
         self.address: Any = ctypes.cast(self.function, ctypes.c_void_p).value
         self._kinds = [_kind(*each) for each in zip(kernel.adj.args, inputs, strict=True)]
         self._forms = [type(value) for value in command.params[1:]]
-        fields = [(f"_{k}", form) for k, form in enumerate(self._forms)]
+        self.names = [f"_{k}" for k in range(len(self._forms))]
+        fields = list(zip(self.names, self._forms, strict=True))
         self._structure: Any = type("Arguments", (ctypes.Structure,), {"_fields_": fields})
         # The arrays of the first launch are not held.
         command.params, command.fwd_args = command.params[:1], None
@@ -95,6 +136,10 @@ class Loaded:
     def arguments(self, inputs: Sequence[Any]) -> Any:
         """Inputs as the kernel takes them."""
         return self._structure(*[_formed(*each) for each in zip(inputs, self._kinds, self._forms, strict=True)])
+
+    def formed(self, k: int, value: Any) -> Any:
+        """An input as the kernel takes it."""
+        return _formed(value, self._kinds[k], self._forms[k])
 
 
 _LOADED: dict[wp.Kernel, Loaded] = {}

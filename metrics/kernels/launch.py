@@ -7,17 +7,18 @@ pool of threads takes one after another. How it is cut never changes a bit of th
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache, partial
-from typing import Any, NamedTuple, Self, TypedDict, TypeVar, Unpack
+from functools import cache
+from typing import Any, NamedTuple, Protocol, Self, TypedDict, TypeVar, Unpack
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.crew import Crew
-from metrics.kernels.host import Dim, HostLaunch, as_numbers, host_launch
+from metrics.kernels.host import Dim, as_numbers, host_launch
 from metrics.kernels.making import MAKING
 from metrics.kernels.shared import Shared
+from metrics.kernels.spares import Spare, Spares
 from metrics.kernels.starting import start_warp
 from metrics.kernels.workers import Task, Workers
 from metrics.machine import cores
@@ -53,11 +54,20 @@ class Scratch(NamedTuple):
     rows: int = 1
 
 
-MOST_SCRATCH = 16
-"""Kinds of scratch that a launcher holds, to be used again."""
-
 Own = Scratch | Callable[[int], Sequence[Any]]
 """A kernel's last inputs, for a thread alone, or what makes them for the rows that are worked on at once."""
+
+
+class OnRows(Protocol):
+    """What runs a kernel over rows."""
+
+    def __call__(self, some: range = ..., /) -> None:
+        """Over those of a range, which is not empty, or over all."""
+
+
+def no_inputs(_: int) -> Sequence[Any]:
+    """No inputs of its own."""
+    return ()
 
 
 class Cut(TypedDict, total=False):
@@ -81,13 +91,13 @@ class Launcher:
         self._on: Any = wp.get_device(device)
         self.threads = threads or cores()
         self._workers, self._crew = Workers(self.threads), Crew(self.threads - 1)
-        self._scratch: dict[Any, list[Sequence[Any]]] = {}
+        self._spares = Spares()
 
     def close(self) -> None:
         """Let the threads go, and the memory that was kept."""
         self._workers.close()
         self._crew.close()
-        self._scratch.clear()
+        self._spares.close()
         let_go()
 
     def __enter__(self) -> Self:
@@ -132,10 +142,6 @@ class Launcher:
         """Start one kernel in the calling thread."""
         self.start(self.record(kernel, dim, inputs))
 
-    def record_on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> HostLaunch:
-        """A launch of one thread on the host's own arrays, whatever the device, and on what it shares."""
-        return host_launch(kernel, 1, [value.on_host if isinstance(value, Shared) else value for value in inputs])
-
     def record(self, kernel: wp.Kernel, dim: Dim, inputs: Sequence[Any]) -> Any:
         """A launch that is ready to be started: it has its `kernel`, and `launch()`."""
         if self.device == "cpu":
@@ -163,34 +169,54 @@ class Launcher:
         each: int = 1,
         strip: int = FEW_ROWS,
         n: int = 1,
-        own: Own = lambda _: (),
-    ) -> Callable[[], None]:
+        own: Own = no_inputs,
+    ) -> OnRows:
         """What runs a kernel over rows of a picture, in strips; the kernel's first input is the first row.
 
-        It is called once. The kernel's dim is (rows, *width), or a thread of it takes `each` rows, of which strips are
-        whole multiples. The picture has n x n samples a pixel. strip: rows of samples of a strip.
+        It is called once at most, for all of them or with a range of some: then another launch has its memory. The
+        kernel's dim is (rows, *width), or a thread of
+        it takes `each` rows, of which strips are whole multiples. The picture has n x n samples a pixel. strip: rows of
+        samples of a strip.
         """
-        if rows == 0:
-            return lambda: None
-        whole = (-(-rows // each), *width)
-        if self.device != "cpu":
-            return partial(self.launch, kernel, whole, [0, *inputs, *self.made(own, rows)])
+
+        def dim(count: int) -> tuple[int, ...]:
+            return (-(-count // each), *width)
+
+        def on_device(some: range = range(rows)) -> None:
+            if some:
+                self.launch(kernel, dim(len(some)), [some.start, *inputs, *self.made(own, len(some))])
+
+        if self.device != "cpu" or rows == 0:
+            return on_device
         height = min(each * -(-max(1, strip // n) // each), rows)
-        threads = min(self.threads, -(-rows // height))
-        scratch = self._scratch.pop(own, [])  # so that no other launch takes it
-        scratch += [self.made(own, 1) for _ in range(threads - len(scratch))]
-        command: Any = host_launch(kernel, whole, [0, *inputs, *scratch[0]])
-        if threads > 1:
-            last = rows - (rows - 1) // height * height
-            dims = [(-(-some // each), *width) for some in (height, last)]
-            command = self._crew.together(command, rows, height, dims, scratch[1:threads])
+        of = rows, height, each, width, own
+        spare = self._spares.again(kernel, of, [0, *inputs])
+        if spare is None:
+            owned = [self.made(own, 1) for _ in range(min(self.threads, -(-rows // height)))]
+            command: Any = host_launch(kernel, dim(rows), [0, *inputs, *owned[0]])
+            if len(owned) > 1:
+                command = self._crew.together(command, rows, height, dim, owned[1:])
+            spare = Spare(command, of, owned)
+
+        def run(some: range = range(rows)) -> None:
+            spare.command.only(some, dim)
+            self.start(spare.command)
+            if own is no_inputs or isinstance(own, Scratch):
+                self._spares.keep(spare)
+
+        return run
+
+    def on_host(self, kernel: wp.Kernel, inputs: Sequence[Any]) -> Callable[[], None]:
+        """What runs a kernel of one thread on the host's own arrays, whatever the device, and on what it shares.
+
+        It is called once at most, as what is `laid_out`.
+        """
+        given = [value.on_host if isinstance(value, Shared) else value for value in inputs]
+        spare = self._spares.again(kernel, None, given) or Spare(host_launch(kernel, 1, given), None, ())
 
         def run() -> None:
-            self.start(command)
-            if isinstance(own, Scratch):
-                if len(self._scratch) == MOST_SCRATCH:
-                    self._scratch.clear()
-                self._scratch[own] = scratch
+            self.start(spare.command)
+            self._spares.keep(spare)
 
         return run
 

@@ -11,7 +11,7 @@ import warp as wp
 
 
 class Strips(ctypes.Structure):
-    """Strips of a launch: `rows` in all, `height` of each but the last.
+    """Strips of a launch: rows `begin` ... `end`, `height` of each but the last.
 
     function: the kernel's. each, last: bounds of a strip of all its rows and of the last one. taken: how many were.
     """
@@ -20,7 +20,8 @@ class Strips(ctypes.Structure):
         ("function", ctypes.c_void_p),
         ("each", ctypes.c_void_p),
         ("last", ctypes.c_void_p),
-        ("rows", ctypes.c_int32),
+        ("begin", ctypes.c_int32),
+        ("end", ctypes.c_int32),
         ("height", ctypes.c_int32),
         ("taken", ctypes.c_int32),
     )
@@ -46,14 +47,14 @@ class Helper(ctypes.Structure):
 
 
 TYPES = """
-    struct Strips { void* function; void* each; void* last; int rows; int height; int taken; };
+    struct Strips { void* function; void* each; void* last; int begin; int end; int height; int taken; };
     struct Helper { void* wake; void* done; Strips* strips; void* arguments; Helper* next; int idle; int serves; };
     using Acquire = auto (void*, int) -> int;
     using Release = auto (void*) -> void;
     const auto take = [](Strips* strips, void* arguments) {
         for (;;) {
-            const int first = strips->height*__atomic_fetch_add(&strips->taken, 1, __ATOMIC_RELAXED);
-            const int left = strips->rows - first;
+            const int strip = __atomic_fetch_add(&strips->taken, 1, __ATOMIC_RELAXED);
+            const int first = strips->begin + strips->height*strip, left = strips->end - first;
             if (left <= 0) return;
             *(int*)arguments = first;
             ((void (*)(void*, void*))strips->function)(left < strips->height ? strips->last : strips->each, arguments);

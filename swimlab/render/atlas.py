@@ -1,9 +1,7 @@
 """Tiles of a frame's targets: what is known of them, and the memory that holds those that are kept."""
 
-from collections import deque
-from collections.abc import Sequence
-from itertools import pairwise
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import warp as wp
@@ -11,7 +9,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from metrics.kernels.shared import Shared
-from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, WAYS, place_tiles
+from swimlab.render.kernels.placing import KINDS, LEVELS, ROWS, WAYS, fit_targets, place_tiles
 from swimlab.render.kernels.texture_space import Atlas
 from swimlab.render.kernels.tiles import MOST_TEXELS
 from swimlab.render.layout import Ints, Layout, matched
@@ -24,94 +22,137 @@ MOST_ADDRESSED = 1 << 31
 class Tiles:
     """What is known of the tiles of a frame, in arrays that serve all frames with the same targets.
 
-    need: [entries], the finest level that is read of each tile, NEVER for none. finest: [n], that of each target.
-    table: [ROWS, entries] (see `swimlab.render.kernels.placing`). pages: [entries], the `table` of Pages. atlas: as
-    kernels take them.
+    segments: [n], the charts that have a target, rising. shapes: [n], as in Atlas. need: [entries], the finest level
+    that is read of each tile, NEVER for none. finest: [n], that of each target. table: [ROWS, entries] (see
+    `swimlab.render.kernels.placing`). pages: [entries], the `table` of Pages. atlas: as kernels take them. everywhere,
+    nowhere: [n], each target's own place, and -1. fitted: whether the layout is another one in each frame.
 
     Tiles to be shaded, as `light_tiles` takes them: jobs, [entries, 4], of which so many are set; order and kept,
     [entries], its `tiles` and `kept`; lit, [entries], the texels of each job.
     """
 
     def __init__(self, launcher: Launcher, layout: Layout) -> None:
-        self.layout, size = layout, (layout.entries,)
-        self.shapes = launcher.shared(layout.shapes.shape, wp.int32)
-        self.shapes.host[...] = layout.shapes
-        self.finest = launcher.shared((len(layout.widths),), wp.int32)
-        self.table, self._other = (launcher.shared((ROWS, *size), wp.int32) for _ in range(2))
+        """layout: of all frames, or of the largest targets where these are fitted.
+
+        Of smaller targets arrays are longer than their layout; what is beyond it says nothing.
+        """
+        self._launcher, self.segments, self._layout = launcher, layout.segments, cast("Layout | None", layout)
+        count, size = len(layout.segments), (layout.entries,)
+        self.finest, self.everywhere, self.nowhere = (launcher.shared((count,), wp.int32) for _ in range(3))
+        self.everywhere.host[:], self.nowhere.host[:] = np.arange(count), -1
         self.jobs = launcher.shared((*size, 4), wp.int32)
-        self.need, self.pages, self.order, self.kept, self.lit = (launcher.shared(size, wp.int32) for _ in range(5))
+        self.need, self.pages, self.order, self.kept = (launcher.shared(size, wp.int32) for _ in range(4))
+        self.lit = launcher.shared(size, wp.int64)
+        self._sides = [self._side(layout)]
         self.atlas: Any = Atlas()
-        self.atlas.shapes = launcher.view(self.shapes.host, wp.vec4i)
-        self.atlas.table = self.pages.device
+        self.atlas.shapes, self.atlas.table = self.shapes.device, self.pages.device
+        self._shown: tuple[Any, ...] = self.shapes.device, None, None
+        self.fitted = False
+
+    def _side(self, layout: Layout) -> tuple[Shared, Shared]:
+        shapes = self._launcher.shared((len(layout.segments),), wp.vec4i)
+        shapes.host[...] = layout.shapes
+        shapes.send()
+        return shapes, self._launcher.shared((ROWS, len(self.need.host)), wp.int32)
+
+    @property
+    def shapes(self) -> Shared:
+        """Of this frame."""
+        return self._sides[0][0]
+
+    @property
+    def table(self) -> Shared:
+        """Of this frame."""
+        return self._sides[0][1]
+
+    @property
+    def layout(self) -> Layout:
+        """Of this frame, once targets are fitted."""
+        if self._layout is None:
+            self._layout = Layout(self.segments, self.shapes.host[:, 0].copy())
+        return self._layout
+
+    def show(self, owners: Any, targets: Any) -> None:
+        """Have kernels find them (see Atlas). owners: its charts."""
+        atlas, now = self.atlas, (self.shapes.device, owners, targets)
+        if any(a is not b for a, b in zip(now, self._shown, strict=True)):
+            atlas.shapes, atlas.charts, atlas.targets = self._shown = now
+
+    def fitting(self, whole: "Tiles", coarser: int) -> Callable[[], None]:
+        """What makes targets as large as their charts are read in whole ones, and by some levels smaller."""
+        self.fitted = True
+        fit = self._launcher.on_host(fit_targets, [whole.finest, coarser, whole.shapes, self.shapes])
+
+        def fit_all() -> None:
+            fit()
+            self.shapes.send()
+            self._layout = None
+
+        return fit_all
 
     def hold(self, frame: int) -> "Held":
-        """What is known of them in a frame. The next one writes to the other table, so that what was held is let go."""
+        """What is known of them in a frame. The next one writes to other memory, so that what was held is let go."""
         held = Held(frame, self.layout, self.shapes, self.table)
-        self.table, self._other = self._other, self.table
+        others = self._sides[1:] or [self._side(held.layout)]
+        self._sides = [*others, self._sides[0]]  # at once, or an interrupt might leave the same one twice
         return held
 
     def shaded(self, jobs: "Jobs") -> int:
         """How many texels were lit, when all jobs are done."""
         self.lit.fetch()
-        return int(self.lit.host[: jobs.total].sum(dtype=np.int64))
+        return int(self.lit.host[: jobs.total].sum())
 
 
 class Shelf:
     """Tiles whose arrays are used again when a frame has the same targets."""
 
-    def __init__(self, launcher: Launcher, room: int = 1) -> None:
-        """room: how many layouts a frame needs."""
-        self._launcher, self._kept = launcher, deque[Tiles](maxlen=room)
+    def __init__(self, launcher: Launcher) -> None:
+        self._launcher, self._kept = launcher, cast("tuple[Layout, Tiles] | None", None)
 
     def take(self, segments: NDArray[np.int64], widths: Ints) -> Tiles:
-        """The tiles of some targets (see Layout)."""
-        for tiles in self._kept:
-            if tiles.layout.has(segments, widths):
-                self._kept.remove(tiles)
-                break
-        else:
-            tiles = Tiles(self._launcher, Layout(segments, widths))
-        self._kept.append(tiles)  # the last that goes when there is no room
-        return tiles
+        """The tiles of some targets, all of these widths or less (see Layout)."""
+        if self._kept is None or not self._kept[0].has(segments, widths):
+            layout = Layout(segments, widths)
+            self._kept = layout, Tiles(self._launcher, layout)
+        return self._kept[1]
 
 
 class LightFrames(NamedTuple):
     """The frames whose light tiles may have: some that follow each other.
 
-    oldest: the first of them. poses: of each a number of where eye and sun were. widened: [frames, targets], whether
+    oldest: the first of them. poses: of each a number of where eye and sun were. widened: of each, [targets], whether
     its charts are. square: whether the maps are as long as wide. texels: of them along their longer side.
     """
 
     oldest: int
     poses: Sequence[int]
-    widened: NDArray[np.bool_]
+    widened: Sequence[NDArray[np.bool_]]
     square: bool
     texels: int
 
 
+class Lit(NamedTuple):
+    """How jobs are lit: as in a frame, in one of the ways."""
+
+    frame: int
+    way: int
+
+
 class Jobs(NamedTuple):
-    """Which jobs are of which light.
+    """Which jobs are lit in which way, and how many there are."""
 
-    oldest: the first frame that any is lit as in. ranges: of each frame from that on the first job of each way, and the
-    end.
-    """
+    by_light: Mapping[Lit, range]
+    total: int
 
-    oldest: int
-    ranges: list[list[int]]
-
-    @property
-    def total(self) -> int:
-        """How many there are."""
-        return self.ranges[-1][-1]
-
-    @property
-    def frames(self) -> list[int]:
-        """The frames that tiles are lit as in."""
-        return [frame for frame, ends in enumerate(self.ranges, self.oldest) if ends[0] < ends[-1]]
-
-    def of(self, frame: int) -> list[tuple[int, int]]:
-        """Of each way to light a frame's jobs the first of them, and one past the last."""
-        return list(pairwise(self.ranges[frame - self.oldest]))
+    @staticmethod
+    def of(oldest: int, ranges: Sequence[Sequence[int]]) -> "Jobs":
+        """ranges: of each frame from the oldest on the first job of each way, and the end."""
+        found = {}
+        for frame, ends in enumerate(ranges, oldest):
+            for way in range(WAYS):
+                if ends[way] < ends[way + 1]:
+                    found[Lit(frame, way)] = range(ends[way], ends[way + 1])
+        return Jobs(found, ranges[-1][-1])
 
 
 class Held(NamedTuple):
@@ -126,7 +167,30 @@ class Held(NamedTuple):
     def nothing(launcher: Launcher) -> "Held":
         """No tiles."""
         layout = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
-        return Held(0, layout, launcher.shared((0, 4), wp.int32), launcher.shared((ROWS, 0), wp.int32))
+        return Held(0, layout, launcher.shared((0,), wp.vec4i), launcher.shared((ROWS, 0), wp.int32))
+
+    def matched(self, tiles: Tiles) -> tuple[Any, Any]:
+        """Of each target of a frame its place in this one, -1 where it has none; and the other way round."""
+        if self.layout.segments is tiles.segments:
+            return tiles.everywhere, tiles.everywhere
+        if len(self.layout.segments) == 0:
+            return tiles.nowhere, np.zeros(0, np.int32)
+        return matched(tiles.segments, self.layout.segments)
+
+
+class Ordering(NamedTuple):
+    """Arrays of the host by which jobs are put in order (see `swimlab.render.kernels.placing`)."""
+
+    poses: Shared
+    widened: Shared
+    places: Shared
+    ranges: Shared
+
+    @staticmethod
+    def of(launcher: Launcher, frames: int, targets: int) -> "Ordering":
+        """For so many."""
+        kinds = ((frames,), wp.int32), ((frames, targets), wp.bool), ((frames, targets, LEVELS), wp.int32)
+        return Ordering(*[launcher.shared(*each) for each in (*kinds, ((frames, WAYS + 1), wp.int32))])
 
 
 class Pool:
@@ -138,34 +202,46 @@ class Pool:
         self.texels = launcher.zeros(4 * MOST_TEXELS, wp.vec4)
         self._end, self._count = launcher.shared((1,), wp.int64), launcher.shared((KINDS,), wp.int32)
         self._free = launcher.shared((KINDS, 0), wp.int32)
+        self._ordering = Ordering.of(launcher, 0, 0)
 
-    def place(self, tiles: Tiles, frames: LightFrames, last: Held) -> Jobs:
-        """Complete the table and the pages of tiles whose EPOCH is known, and say what is to be shaded.
+    def placing(self, tiles: Tiles, frames: LightFrames, last: Held) -> Callable[[], Jobs]:
+        """What completes the table and the pages of tiles whose EPOCH is known, and says what is to be shaded.
 
-        last: what holds blocks, all that does; they are kept or given back. Raises RunError for more texels than can be
-        addressed.
+        last: what holds blocks, all that does; they are kept or given back. It raises RunError for more texels than can
+        be addressed.
         """
-        launcher, layout = self._launcher, tiles.layout
-        if last.layout.entries == 0:
-            self._end.host[:], self._count.host[:] = MOST_TEXELS, 0
-        self._make_room(int(self._count.host.max()) + last.layout.entries)
-        before, after = matched(layout, last.layout)
-        count, targets = frames.widened.shape
-        places, ranges = np.zeros((count, targets, LEVELS), np.int32), np.empty((count, WAYS + 1), np.int32)
-        inputs = [frames.oldest, np.array(frames.poses, np.int32), frames.widened, frames.square, frames.texels]
+        launcher, entries = self._launcher, last.layout.entries
+        if entries > 0:
+            self._make_room(int(self._count.host.max()) + entries)
+        before, after = last.matched(tiles)
+        size = len(frames.poses), len(tiles.segments)
+        if self._ordering.widened.host.shape != size:
+            self._ordering = Ordering.of(launcher, *size)
+        poses, widened, places, ranges = self._ordering
+        poses.host[:], widened.host[:] = frames.poses, frames.widened
+        inputs = [frames.oldest, poses, widened, frames.square, frames.texels]
         inputs += [tiles.shapes, tiles.finest, before, tiles.table, tiles.pages, last.shapes, after, last.table]
         inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ranges]
-        launcher.start(launcher.record_on_host(place_tiles, inputs))
-        end = int(self._end.host[0])
+        filled = launcher.on_host(place_tiles, inputs)
+
+        def place() -> Jobs:
+            filled()
+            self._grow()
+            for array in (tiles.pages, tiles.order, tiles.kept, tiles.jobs, tiles.finest):
+                array.send()
+            return Jobs.of(frames.oldest, ranges.host.tolist())
+
+        return place
+
+    def _grow(self) -> None:
+        """As far as blocks are taken."""
+        launcher, end = self._launcher, int(self._end.host[0])
         if end >= MOST_ADDRESSED:
             raise RunError("techniques.tsl.size: the targets of one frame need more than 2^31 texels; choose less")
         if end > len(self.texels):
             grown = launcher.empty(end + end // 4, wp.vec4)
             wp.copy(grown, self.texels)
             self.texels = grown
-        for array in (tiles.pages, tiles.order, tiles.kept, tiles.jobs, tiles.finest):
-            array.send()
-        return Jobs(frames.oldest, ranges.tolist())
 
     def _make_room(self, room: int) -> None:
         """Room for so many free blocks of each kind."""

@@ -1,6 +1,7 @@
 """Charts: the segments of a mesh in texture space, each with its atlas coordinates as positions."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,6 +9,8 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
+from swimlab.render.atlas import Tiles
+from swimlab.render.kernels.placing import LEAST_WIDTH
 from swimlab.render.layout import Ints, Layout, placed
 from swimlab.render.mesh import Doubles, Mesh, charts_in
 from swimlab.render.shot import Kept, Shot
@@ -22,8 +25,8 @@ class Charts:
 
     chosen: the mesh's triangles that are left, chart by chart. segments: [n], numbers of the charts, rising. ranges:
     [n, 2], of each chart the first of its triangles among these and one past the last. low, high: [n, 2], its extent
-    in uv. narrowest: [n], the least extent in u or v of its triangles. owners: on the device, the chart of each
-    triangle of the mesh, or -1.
+    in uv. narrowest: [n], the least extent in u or v of its triangles. owners: the chart of each triangle of
+    the mesh, or -1.
     """
 
     launcher: Launcher
@@ -34,7 +37,7 @@ class Charts:
     low: Doubles
     high: Doubles
     narrowest: Doubles
-    owners: Any
+    owners: Ints
     _kept: Kept = field(default_factory=Kept, repr=False)
 
     @staticmethod
@@ -58,12 +61,19 @@ class Charts:
             np.minimum.reduceat(low, first) if some else low,
             np.maximum.reduceat(high, first) if some else high,
             np.minimum.reduceat(extent, first) if some else extent,
-            launcher.view(of_all, wp.int32),
+            of_all,
         )
 
-    def drawn(self, layout: Layout) -> "Drawn":
-        """The charts in the targets of a layout, which may be of other charts too; kept while that is the same."""
-        return self._kept.get("drawn", layout, lambda: self._drawn(layout))
+    @cached_property
+    def are_wide(self) -> bool:
+        """Whether none is narrower than a texel, however small its target."""
+        return bool(np.all((self.high - self.low) * LEAST_WIDTH >= 1))
+
+    def drawn(self, tiles: Tiles) -> "Drawn":
+        """The charts in targets, which may be of other charts too; kept while these are the same."""
+        # Of wide charts it is the same for targets of all sizes, also before these are fitted.
+        of = tiles.segments.tobytes() if self.are_wide else tiles.layout
+        return self._kept.get("drawn", of, lambda: self._drawn(tiles.layout))
 
     def _drawn(self, layout: Layout) -> "Drawn":
         place = placed(layout.segments, self.segments)

@@ -56,16 +56,6 @@ class Layout:
         first = int(self.firsts[target])
         return slice(first, first + int(self.across[target]) ** 2)
 
-    @cached_property
-    def places(self) -> Ints:
-        """[n], each target's own place."""
-        return np.arange(len(self.widths), dtype=np.int32)
-
-    @cached_property
-    def nowhere(self) -> Ints:
-        """[n], -1."""
-        return np.full(len(self.widths), -1, np.int32)
-
     def has(self, segments: NDArray[np.int64], widths: Ints) -> bool:
         """Whether it is the layout of these."""
         pairs = (self.segments, segments), (self.widths, widths)
@@ -80,18 +70,13 @@ def equal_widths(targets: int, width: int) -> Ints:
     return widths
 
 
-def matched(now: Layout, last: Layout) -> tuple[Ints, Ints]:
-    """Of each target of a layout its place in another, -1 where that has none as large; and the other way round."""
-    if now is last:
-        return now.places, now.places
-    if len(last.widths) == 0:
-        return now.nowhere, last.places
-    place = placed(now.segments, last.segments)
+def matched(now: NDArray[np.int64], last: NDArray[np.int64]) -> tuple[Ints, Ints]:
+    """Of each of some charts its place among others, -1 where it is not; and the other way round. Both rising."""
+    place = placed(now, last).astype(np.int32)
     found = np.flatnonzero(place >= 0)
-    found = found[last.widths[place[found]] == now.widths[found]]
-    before, after = np.full(len(now.widths), -1, np.int32), np.full(len(last.widths), -1, np.int32)
-    before[found], after[place[found]] = place[found], found
-    return before, after
+    after = np.full(len(last), -1, np.int32)
+    after[place[found]] = found
+    return place, after
 
 
 def placed(wanted: NDArray[np.int64], known: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -6,7 +6,7 @@ highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e
 has turned by as much. That frame follows from the sequence alone, so that what was rendered before changes no bit.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import e, sqrt
 from typing import NamedTuple
 
@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from sequences import Road
 from swimlab.render.atlas import Held, Tiles
 from swimlab.render.kernels.epochs import follow
-from swimlab.render.kernels.placing import EPOCH
-from swimlab.render.layout import Ints, Layout, matched, placed
+from swimlab.render.layout import Ints, Layout, placed
 from swimlab.render.mesh import charts_in
 from swimlab.render.shot import Kept, Shot
 
@@ -39,6 +38,7 @@ class Epochs:
         self._reuse, self._tolerance = reuse, tolerance
         self._shots: dict[int, Shot] = {}
         self._drawn: dict[int, Roads] = {}
+        self._wholes: dict[int, tuple[NDArray[np.int64], NDArray[np.bool_]]] = {}
         self._poses: dict[int, Pose] = {}
         self._numbers: dict[object, int] = {}
         self._rows = Kept()
@@ -49,6 +49,7 @@ class Epochs:
         near = range(self.oldest, shot.frame)
         self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
         self._drawn = {frame: old for frame, old in self._drawn.items() if frame in near}
+        self._wholes = {frame: old for frame, old in self._wholes.items() if frame in near}
         self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
         self._window = [self._pose(frame) for frame in self._frames()] if self._reuse > 1 else []
 
@@ -80,19 +81,23 @@ class Epochs:
             self._poses[frame] = Pose(*pose, self._numbers.setdefault(pose, len(self._numbers)))
         return self._poses[frame]
 
-    def find(self, tiles: Tiles, last: Held) -> range:
-        """Fill EPOCH of tiles, and say which frames that may be. last: tiles of one frame ago, nothing where that was
-        not rendered."""
-        tiles.table.host[EPOCH] = self._now.frame
+    def finding(self, tiles: Tiles, last: Held) -> tuple[range, Callable[[], None]]:
+        """The frames whose light tiles may have, and what fills EPOCH of tiles once they are chosen.
+
+        last: tiles of one frame ago, nothing where that was not rendered.
+        """
         if self._tolerance == 0 or len({pose.number for pose in self._window}) < 2:
-            return range(self._now.frame, self._now.frame + 1)
+            return range(self._now.frame, self._now.frame + 1), lambda: None
+        if tiles.fitted:  # they are only when what is seen is known
+            return self._frames(), lambda: self._following(tiles, last)()
+        return self._frames(), self._following(tiles, last)
+
+    def _following(self, tiles: Tiles, last: Held) -> Callable[[], None]:
         layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
-        whole = np.array([placed(layout.segments, self._roads(frame).whole) >= 0 for frame in self._frames()])
+        whole = np.array([self._whole(frame, layout.segments) for frame in self._frames()])
         # What had the number of a wire's or a post's chart then was another one.
         whole &= placed(layout.segments, self._roads(self._now.frame).segments) >= 0
-        for table in (tiles.table, last.table):
-            table.send()
         inputs = [
             self.oldest,
             sqrt(self._now.material.highest_power / e),
@@ -107,12 +112,25 @@ class Epochs:
             tiles.table.device,
             last.table.device,
         ]
-        launcher.over(len(rows.before), follow, (), inputs)
-        tiles.table.fetch()
-        return self._frames()
+        follow_all = launcher.laid_out(len(rows.before), follow, (), inputs)
+
+        def find() -> None:
+            for table in (tiles.table, last.table):
+                table.send()
+            follow_all()
+            tiles.table.fetch()
+
+        return find
 
     def _frames(self) -> range:
         return range(self.oldest, self._now.frame + 1)
+
+    def _whole(self, frame: int, segments: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Of each of some targets, whether a frame draws its segment of the road to both ends."""
+        known = self._wholes.get(frame)
+        if known is None or known[0] is not segments:
+            known = self._wholes[frame] = segments, placed(segments, self._roads(frame).whole) >= 0
+        return known[1]
 
     def _roads(self, frame: int) -> "Roads":
         if frame not in self._drawn:
@@ -150,7 +168,10 @@ def rows_of(layout: Layout, last: Layout, road: Road) -> Rows:
     count = across[targets]
     row = np.arange(len(targets)) - np.repeat(np.cumsum(across) - across, across)
     y = (layout.segments[targets] + (row + 0.5) / count) * road.segment
-    before = matched(layout, last)[0][targets]
+    place = placed(layout.segments, last.segments)
+    found = np.flatnonzero(place >= 0)
+    place[found[last.widths[place[found]] != layout.widths[found]]] = -1
+    before = place.astype(np.int32)[targets]
     known = before >= 0
     before[known] = last.firsts[before[known]] + row[known] * count[known]
     rows = np.stack([targets, layout.firsts[targets] + row * count, count, row], axis=1)

@@ -1,7 +1,7 @@
 """One frame to render: everything that all techniques share, set up once."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -29,9 +29,9 @@ class Kept:
 
     def get(self, name: str, of: Any, make: Callable[[], Made]) -> Made:
         """What was made of something equal, or what `make` makes now."""
-        if name not in self._last or self._last[name][0] != of:
-            self._last[name] = of, make()
-        made: Made = self._last[name][1]
+        last = self._last.get(name)
+        made: Made = last[1] if last is not None and last[0] == of else make()
+        self._last[name] = of, made  # the same again is found sooner than what is equal
         return made
 
 
@@ -55,7 +55,10 @@ class Shot:
 
     def at(self, frame: int) -> "Shot":
         """Another frame; the mesh and its set-up are kept where the eye stands still."""
-        return self if frame == self.frame else replace(self, frame=frame)
+        if frame == self.frame:
+            return self
+        same = self.material, self.model, self.samples, self.launcher, self.thinnest, self._kept
+        return Shot(self.sequence, frame, *same)
 
     @cached_property
     def view(self) -> View:

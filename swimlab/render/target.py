@@ -1,14 +1,14 @@
 """Targets of texture-space lighting: a segment of the road drawn with atlas coordinates as positions, and lit."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Jobs, LightFrames, Tiles
+from metrics.kernels.launch import Launcher, OnRows
+from swimlab.render.atlas import Jobs, LightFrames, Lit, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, choose_levels
@@ -20,13 +20,27 @@ from swimlab.render.layout import placed
 from swimlab.render.shot import Shot
 from swimlab.render.texture import MipChain
 
+MANY_TARGETS = 64
+"""Targets whose coarse levels are worth another thread."""
+
+Before = Callable[[Tiles], None]
+"""Called with tiles before they are marked, to lay out what follows, as kernels empty the caches. Where more is in
+sight than had targets it is called again, with other tiles: what it laid out before is not run."""
+
+TilesOf = Callable[[NDArray[np.int64]], Tiles]
+"""The tiles of charts with some numbers."""
+
+
+def lay_out_nothing(_: Tiles) -> None:
+    """Where nothing follows."""
+
 
 class Screen:
     """Which pixel sees which chart, frame after frame; its arrays serve all frames with as many pixels and charts.
 
-    shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. in_sight: how
-    many charts are. segments: [n], numbers of the charts that have a target, rising: those in sight, and some that
-    were, as far charts come and go.
+    shot: the frame. grid, visible: on the device; visible, [H, W], is the triangle seen by each pixel. paste: the
+    kernel that pastes light. in_sight: how many charts are. segments: [n], numbers of the charts that have a target,
+    rising: all, or where these are too many those in sight, and some that were, as far charts come and go.
     """
 
     def __init__(self, launcher: Launcher, anisotropy: int, shading: int, most: int = 0) -> None:
@@ -34,70 +48,82 @@ class Screen:
 
         most: targets, unless more are in sight.
         """
-        self._launcher, self.anisotropy, self._shading, self._most = launcher, anisotropy, shading, most
+        self._launcher, self._shading, self._most = launcher, shading, most
+        self._read = read_with(marking(anisotropy).on(launcher.device))
+        self.paste = paste_with(paged(anisotropy).on(launcher.device))
         self.visible: Any = launcher.empty((0, 0), wp.int32)
-        self._seen, self._targets, self._places = (launcher.shared((0,), wp.int32) for _ in range(3))
+        self._seen, self._owners, self._targets, self._places = (launcher.shared((0,), wp.int32) for _ in range(4))
         self._counts = launcher.shared((2,), wp.int32)
         self._charts: Charts | None = None
+        self._narrowest: Any = np.zeros(0)
         self.segments = np.zeros(0, np.int64)
 
-    def see(self, shot: Shot, tiles_of: Callable[[NDArray[np.int64]], Tiles]) -> Tiles:
-        """Rasterise a frame's screen once, and mark the tiles of some segments' charts, with all in sight.
-
-        tiles_of: tiles of the charts with these numbers.
-        """
+    def see(self, shot: Shot, tiles_of: TilesOf, before: Before = lay_out_nothing) -> Tiles:
+        """Rasterise a frame's screen once, and mark the tiles of some segments' charts, with all in sight."""
         charts, size = charts_of(shot), (shot.view.height, shot.view.width)
         self.shot, self.grid = shot, shot.grid()
         if self.visible.shape != size:
             self.visible = self._launcher.empty(size, wp.int32)
         if charts is not self._charts:
-            self._assign(charts, self.segments)
+            self._assign(charts, charts.segments if len(charts.segments) <= self._most else self.segments)
         self._seen.fill(0)
         tiles = tiles_of(self.segments)
-        self.mark(tiles, draws=True)
+        self.marking(tiles, before, draws=True)()
         self.in_sight, have_targets = self._counts.host.tolist()
         if have_targets < self.in_sight:
             seen = charts.segments[self._seen.host != 0]
             wanted = np.union1d(self.segments, seen)
             self._assign(charts, wanted if len(wanted) <= self._most else seen)
             tiles = tiles_of(self.segments)
-            self.mark(tiles)
+            self.marking(tiles, before)()
         return tiles
 
     def _assign(self, charts: Charts, segments: NDArray[np.int64]) -> None:
         """Give charts with these numbers a target, of which some may not be of this mesh."""
         self._charts = None  # until it is so
-        self.segments = segments
+        if not np.array_equal(segments, self.segments):
+            self.segments = segments
         launcher, count = self._launcher, charts.segments.shape
         if self._seen.host.shape != count:
             self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
         if self._places.host.shape != segments.shape:
             self._places = launcher.shared(segments.shape, wp.int32)
+        if self._owners.host.shape != charts.owners.shape:
+            self._owners = launcher.shared(charts.owners.shape, wp.int32)
+        self._owners.host[:] = charts.owners
+        self._owners.send()
         self._places.host[...] = place = placed(segments, charts.segments)
         has = np.flatnonzero(place >= 0)
         self._targets.host.fill(-1)
         self._targets.host[place[has]] = has
         self._targets.send()
-        self._charts = charts
+        self._narrowest, self._charts = charts.narrowest, charts
 
-    def mark(self, tiles: Tiles, *, draws: bool = False) -> None:
-        """Set what pasting reads of each tile, and which are shaded and kept.
+    def marking(self, tiles: Tiles, before: Before, *, draws: bool = False) -> Callable[[], None]:
+        """What sets what pasting reads of each tile, and which are shaded and kept.
 
-        draws: whether it is found anew which triangle each pixel sees.
+        before: called with the tiles, unless there are none. draws: whether it is found anew which triangle each pixel
+        sees.
         """
-        launcher, shot, atlas, charts = self._launcher, self.shot, tiles.atlas, charts_of(self.shot)
-        atlas.charts, atlas.targets = charts.owners, self._targets.device
+        launcher, shot, atlas = self._launcher, self.shot, tiles.atlas
+        tiles.show(self._owners.device, self._targets.device)
         tiles.need.fill(NEVER)
-        kernel, triangles = read_with(marking(self.anisotropy).on(launcher.device)), shot.triangles
+        triangles = shot.triangles
         inputs = [draws, self.grid, triangles.edges, triangles.planes, triangles.bounds]
         inputs += [self.visible, self._seen.device, atlas, tiles.need.device]
-        read = launcher.laid_out(shot.view.height, kernel, (), inputs)
-        known = [self._seen, charts.narrowest, self._places, tiles.shapes, tiles.need, self._shading]
-        choose = launcher.record_on_host(choose_levels, [*known, tiles.table, tiles.finest, self._counts])
-        read()
-        for array in (tiles.need, self._seen):
-            array.fetch()
-        launcher.start(choose)
+        read = launcher.laid_out(shot.view.height, self._read, (), inputs)
+        known = [self._seen, self._narrowest, self._places, tiles.shapes, tiles.need, self._shading, shot.frame]
+        choose = launcher.on_host(choose_levels, [*known, tiles.table, tiles.finest, self._counts])
+        if len(tiles.segments) > 0:
+            before(tiles)
+
+        def mark() -> None:
+            read()
+            for array in (tiles.need, self._seen):
+                array.fetch()
+            choose()
+
+        return mark
 
 
 class Lighting:
@@ -108,24 +134,21 @@ class Lighting:
 
     def drawn(self, tiles: Tiles) -> Drawn:
         """The charts that this frame draws in targets."""
-        return self._charts.drawn(tiles.layout)
+        return self._charts.drawn(tiles)
 
-    def of(self, jobs: Jobs, tiles: Tiles, texels: Any) -> Iterator[Callable[[], None]]:
-        """What lights the jobs of this frame where the pages say, but for coarse levels."""
-        drawn = self.drawn(tiles)
-        for way, (begin, end) in enumerate(jobs.of(self.shot.frame)):
-            if begin < end:
-                kernel, chain = self._ways.of(way)
-                inputs = [begin, tiles.jobs.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
-                inputs += [drawn.triangles.edges, drawn.triangles.planes]
-                inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
-                yield self.shot.launcher.laid_out(end - begin, kernel, (), inputs)
+    def laid_out(self, way: int, tiles: Tiles, texels: Any) -> OnRows:
+        """What lights jobs in a way, given as a range, where the pages say, but for coarse levels."""
+        (kernel, chain), drawn = self._ways.of(way), self.drawn(tiles)
+        inputs = [tiles.jobs.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
+        inputs += [drawn.triangles.edges, drawn.triangles.planes]
+        inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
+        return self.shot.launcher.laid_out(len(tiles.need.host), kernel, (), inputs)
 
 
 def light_frames(lightings: Sequence[Lighting], poses: Sequence[int], tiles: Tiles) -> LightFrames:
     """The frames whose light tiles may have. lightings: of each. poses: see LightFrames."""
     first = lightings[0].shot
-    widened, size = np.array([each.drawn(tiles).widened for each in lightings]), first.material.size
+    widened, size = [each.drawn(tiles).widened for each in lightings], first.material.size
     return LightFrames(first.frame, poses, widened, size[0] == size[1], max(size))
 
 
@@ -165,19 +188,34 @@ class Way(NamedTuple):
     chain: MipChain
 
 
-def painted(screen: Screen, tiles: Tiles, texels: Any, lights: Iterable[Callable[[], None]]) -> Any:
-    """The picture [H, W] on the device: tiles are lit and reduced, and the light is the texture."""
-    shot = screen.shot
-    launcher, height = shot.launcher, shot.view.height
-    picture = launcher.unset((height, shot.view.width), wp.vec4)
-    kernel = paste_with(paged(screen.anisotropy).on(launcher.device))
-    inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, picture]
-    # All is laid out before the first kernel, as kernels empty the caches.
-    lights = list(lights)
-    reduce = launcher.record(reduce_coarse, len(tiles.layout.widths), [tiles.atlas, tiles.finest.device, texels])
-    paste = launcher.laid_out(height, kernel, (), inputs)
-    for light in lights:
-        light()
-    launcher.start(reduce)
-    paste()
-    return picture
+class Painting:
+    """What paints a frame: tiles are lit and reduced, and the light is the texture. It is laid out for one picture.
+
+    texels: where the light is.
+    """
+
+    def __init__(
+        self, screen: Screen, tiles: Tiles, texels: Any, lightings: Mapping[int, Lighting], likely: Iterable[Lit] = ()
+    ) -> None:
+        """lightings: of the frames whose light there may be. likely: how jobs may be lit, to be laid out now; what else
+        turns out to be lit is laid out then."""
+        shot = screen.shot
+        self._launcher, height = shot.launcher, shot.view.height
+        self._tiles, self._lightings, self.texels = tiles, lightings, texels
+        self._lights = {lit: self._light(lit) for lit in likely if lit.frame in lightings}
+        targets, inputs = len(tiles.segments), [tiles.atlas, tiles.finest.device, texels]
+        self._reduce = self._launcher.laid_out(targets, reduce_coarse, (), inputs, strip=MANY_TARGETS)
+        self._picture = self._launcher.unset((height, shot.view.width), wp.vec4)
+        inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, self._picture]
+        self._paste = self._launcher.laid_out(height, screen.paste, (), inputs)
+
+    def _light(self, lit: Lit) -> OnRows:
+        return self._lightings[lit.frame].laid_out(lit.way, self._tiles, self.texels)
+
+    def picture(self, jobs: Jobs) -> Any:
+        """The picture [H, W] on the device."""
+        for lit, rows in jobs.by_light.items():
+            (self._lights.get(lit) or self._light(lit))(rows)
+        self._reduce()
+        self._paste()
+        return self._picture

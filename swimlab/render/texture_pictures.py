@@ -69,9 +69,9 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     table[SHADE, mine] = table[KEEP, mine] = levels
     table[KEEP, mine.start - 1] = 0
     shown.finest.fill(0)
-    jobs = pool.place(shown, light_frames([lighting], [0], shown), Held.nothing(launcher))
-    for light in lighting.of(jobs, shown, pool.texels):
-        light()
+    jobs = pool.placing(shown, light_frames([lighting], [0], shown), Held.nothing(launcher))()
+    for lit, rows in jobs.by_light.items():
+        lighting.laid_out(lit.way, shown, pool.texels)(rows)
     texels, start = pool.texels.numpy(), table[START]
     across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
     out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)

@@ -12,12 +12,15 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from metrics.kernels.launch import Launcher, Strip
+from metrics.kernels.launch import Launcher, OnRows, Strip
 from sequences import Camera
 from swimlab.render.kernels.raster import NEAR, rasterise
 from swimlab.render.kernels.set_up import set_up_triangles
 from swimlab.render.kernels.structs import Edges, Planes
 from swimlab.render.mesh import Doubles, Mesh
+
+MANY_TRIANGLES = 1024
+"""Triangles that are worth another thread."""
 
 
 @dataclass(frozen=True)
@@ -80,15 +83,16 @@ def set_up(
     inputs += [launcher.lent(mesh.positions, wp.vec3d), launcher.lent(mesh.slope, wp.float64)]
     inputs += [launcher.lent(corners, wp.vec3i)]
     inputs += [launcher.lent(np.ones(len(corners), bool) if drawn is None else drawn, wp.bool)]
-    ready, command = to_set_up(launcher, len(corners), inputs)
-    launcher.start(command)
+    ready, set_up_all = to_set_up(launcher, len(corners), inputs)
+    set_up_all()
     return ready
 
 
-def to_set_up(launcher: Launcher, count: int, inputs: Sequence[Any]) -> tuple[Triangles, Any]:
-    """So many triangles, and the launch that sets them up from the first inputs of `set_up_triangles`."""
-    ready = Triangles(launcher.empty(count, Edges), launcher.empty(count, Planes), launcher.empty(count, wp.vec2d))
-    return ready, launcher.record(set_up_triangles, count, [*inputs, ready.edges, ready.planes, ready.bounds])
+def to_set_up(launcher: Launcher, count: int, inputs: Sequence[Any]) -> tuple[Triangles, OnRows]:
+    """So many triangles, and what sets them up from the first inputs of `set_up_triangles`."""
+    ready = Triangles(*[launcher.unset((count,), dtype) for dtype in (Edges, Planes, wp.vec2d)])
+    given = [*inputs, ready.edges, ready.planes, ready.bounds]
+    return ready, launcher.laid_out(count, set_up_triangles, (), given, strip=MANY_TRIANGLES)
 
 
 def visibility(

@@ -2,8 +2,10 @@
 
 import gc
 import threading
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 import warp as wp
 
@@ -15,8 +17,7 @@ from metrics.kernels.launch import Launcher
 from metrics.kernels.making import MAKING
 from metrics.kernels.strips import dismiss, serve
 
-ROWS, HEIGHT = 1000, 4
-DIMS = (HEIGHT,), (ROWS % HEIGHT or HEIGHT,)
+ROWS, HEIGHT = 1001, 4
 
 
 @wp.kernel(enable_backward=False)
@@ -27,12 +28,16 @@ def count_slowly(first: wp.int32, rounds: wp.int32, times: wp.array(dtype=wp.int
     times[row] += 1
 
 
+def so_many(rows):
+    return (rows,)
+
+
 def laid_out(crew, helpers, rounds=1):
     """A launch, and how often it has been on each row."""
     times = wp.zeros(ROWS, dtype=wp.int32, device="cpu")
     spun = wp.zeros(ROWS, dtype=wp.float64, device="cpu")
-    launch = host_launch(count_slowly, DIMS[0], [0, rounds, times, spun])
-    return crew.together(launch, ROWS, HEIGHT, DIMS, [()] * helpers), times
+    launch = host_launch(count_slowly, ROWS, [0, rounds, times, spun])
+    return crew.together(launch, ROWS, HEIGHT, so_many, [()] * helpers), times
 
 
 def is_once(times):
@@ -53,6 +58,35 @@ def test_all_strips_are_taken_once(helpers):
         launch, times = laid_out(crew, helpers)
         launch.launch()
         assert is_once(times)
+    crew.close()
+
+
+@pytest.mark.parametrize("helpers", [0, 2])
+@pytest.mark.parametrize("some", [range(1), range(5, 6), range(3, 11), range(4, 1001), range(1001), range(0)])
+def test_only_some_rows_may_be_taken(helpers, some):
+    crew = Crew(2)
+    launch, times = laid_out(crew, helpers)
+    launch.only(some, so_many)
+    launch.launch()
+    assert np.flatnonzero(times.numpy()).tolist() == list(some)
+    crew.close()
+
+
+@pytest.mark.parametrize("helpers", [0, 2])
+def test_it_can_be_laid_out_again(helpers):
+    """All threads then have the new inputs, and none of the old is held."""
+    crew = Crew(2)
+    launch, times = laid_out(crew, helpers)
+    spun = wp.zeros(ROWS, dtype=wp.float64, device="cpu")
+    for rounds in range(20):
+        launch.launch()
+        assert is_once(times)
+        launch.let_go()
+        gone = weakref.ref(times)
+        del times
+        assert gone() is None
+        times = wp.zeros(ROWS, dtype=wp.int32, device="cpu")
+        launch.renew([0, rounds, times, spun])
     crew.close()
 
 
@@ -79,7 +113,7 @@ def test_strips_are_taken_side_by_side():
     crew = Crew(1)
     for _ in range(3):
         here, met = (wp.zeros(2, dtype=wp.int32, device="cpu") for _ in range(2))
-        crew.together(host_launch(meet, 1, [0, here, met]), 2, 1, [(1,), (1,)], [()]).launch()
+        crew.together(host_launch(meet, 1, [0, here, met]), 2, 1, so_many, [()]).launch()
         assert met.numpy().tolist() == [1, 1]
     crew.close()
 

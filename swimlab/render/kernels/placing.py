@@ -6,7 +6,7 @@ All that is known of the tiles of a frame is a table, [ROWS, entries] (see `swim
 import warp as wp
 
 from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 
 SHADE, KEEP, EPOCH, POSE, START, ANEW = range(6)
 """Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level to keep of it,
@@ -17,6 +17,9 @@ ROWS = 6
 
 NEEDED, VISIBLE, ALL = range(3)
 """What is shaded: tiles that are read, at the level they are read at; these at level 0; all."""
+
+LEAST_WIDTH = 16
+"""Texels along the smallest targets."""
 
 LEVELS = TILE_LEVEL + 1
 """Levels of a tile."""
@@ -32,14 +35,14 @@ wp.set_module_options({"enable_backward": False})
 
 
 @wp.func
-def tiles_in(shapes: wp.array2d(dtype=wp.int32), target: wp.int32) -> wp.int32:
+def tiles_in(shapes: wp.array(dtype=wp.vec4i), target: wp.int32) -> wp.int32:
     """How many tiles a target has."""
-    across = shapes[target, 0] >> shapes[target, 2]
+    across = shapes[target][0] >> shapes[target][2]
     return across * across
 
 
 @wp.func
-def tiles_in_sight(shapes: wp.array2d(dtype=wp.int32), finest: wp.array(dtype=wp.int32), target: wp.int32) -> wp.int32:
+def tiles_in_sight(shapes: wp.array(dtype=wp.vec4i), finest: wp.array(dtype=wp.int32), target: wp.int32) -> wp.int32:
     """How many tiles a target has that may be read: none where it is out of sight."""
     if finest[target] == NEVER:
         return 0
@@ -51,34 +54,36 @@ def choose_levels(
     seen: wp.array(dtype=wp.int32),
     narrowest: wp.array(dtype=wp.float64),
     charts: wp.array(dtype=wp.int32),
-    shapes: wp.array2d(dtype=wp.int32),
+    shapes: wp.array(dtype=wp.vec4i),
     need: wp.array(dtype=wp.int32),
     shading: wp.int32,
+    frame: wp.int32,
     table: wp.array2d(dtype=wp.int32),
     finest: wp.array(dtype=wp.int32),
-    in_sight: wp.array(dtype=wp.int32),
+    counts: wp.array(dtype=wp.int32),
 ):
     """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
+    EPOCH is the frame.
 
     seen: which charts are in sight. narrowest: the least extent in u or v of the triangles of each chart. charts: of
-    each target, -1 for none. shapes: as in Atlas. in_sight: receives how many charts are, and how many targets. Of a
-    target out of sight nothing is shaded. Texels larger than a triangle may miss it, so they are shaded at a finer
-    level and reduced. Of coarse levels all are kept.
+    each target, -1 for none. shapes: as in Atlas. counts: receives how many charts are in sight, and how many of them
+    have a target. Of a target out of sight nothing is shaded. Texels larger than a triangle may miss it, so they are
+    shaded at a finer level and reduced. Of coarse levels all are kept.
     """
     for i in range(2):
-        in_sight[i] = 0
+        counts[i] = 0
     for chart in range(seen.shape[0]):
-        in_sight[0] += wp.where(seen[chart] != 0, wp.int32(1), wp.int32(0))
+        counts[0] += wp.where(seen[chart] != 0, wp.int32(1), wp.int32(0))
     for k in range(shapes.shape[0]):
-        first = shapes[k, 3]
+        first = shapes[k][3]
         chart = charts[k]
         shown = wp.bool(False)
         coarsest = wp.int32(0)
         if chart >= 0:
             shown = seen[chart] != 0
         if shown:
-            in_sight[1] += 1
-            texels = narrowest[chart] * wp.float64(shapes[k, 0])
+            counts[1] += 1
+            texels = narrowest[chart] * wp.float64(shapes[k][0])
             while texels >= wp.float64(2.0):
                 texels *= wp.float64(0.5)
                 coarsest += 1
@@ -93,9 +98,33 @@ def choose_levels(
                 shade = wp.int32(0)
             table[KEEP, entry] = keep
             table[SHADE, entry] = shade
+            table[EPOCH, entry] = frame
         table[KEEP, first - 1] = 0
         table[SHADE, first - 1] = NEVER
+        table[EPOCH, first - 1] = frame
         finest[k] = least
+
+
+@wp.kernel
+def fit_targets(
+    finest: wp.array(dtype=wp.int32),
+    coarser: wp.int32,
+    whole: wp.array(dtype=wp.vec4i),
+    shapes: wp.array(dtype=wp.vec4i),
+):
+    """Targets as large as their charts are read in whole ones, of which `finest` has the finest level, and by some
+    levels smaller. shapes: receives theirs (see `swimlab.render.layout.Layout`).
+    """
+    entries = wp.int32(0)
+    for k in range(shapes.shape[0]):
+        level = wp.clamp(finest[k] + coarser, wp.int32(0), wp.int32(16))
+        width = wp.max(whole[k][0] >> level, wp.int32(LEAST_WIDTH))
+        levels = wp.int32(1)
+        while width >> levels > 0:
+            levels += 1
+        tile_level = wp.min(levels - 1, wp.int32(TILE_LEVEL))
+        shapes[k] = wp.vec4i(width, levels, tile_level, entries + 1)
+        entries += tiles_in(shapes, k) + 1
 
 
 @wp.func
@@ -136,12 +165,12 @@ def is_held(
 def hold_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
-    shapes: wp.array2d(dtype=wp.int32),
+    shapes: wp.array(dtype=wp.vec4i),
     finest: wp.array(dtype=wp.int32),
     before: wp.array(dtype=wp.int32),
     now: wp.array2d(dtype=wp.int32),
     pages: wp.array(dtype=wp.int32),
-    last_shapes: wp.array2d(dtype=wp.int32),
+    last_shapes: wp.array(dtype=wp.vec4i),
     after: wp.array(dtype=wp.int32),
     last: wp.array2d(dtype=wp.int32),
     free: wp.array2d(dtype=wp.int32),
@@ -153,35 +182,44 @@ def hold_tiles(
     finest: as `choose_levels` leaves it; of targets out of sight only coarse levels are looked at. pages: receives
     where kernels find blocks, the `table` of Pages. poses: of frames from `oldest` on. before: of each target its place
     in the last frame, or -1; after: the other way round. free: first texels of blocks of each kind that nobody has,
-    `count` of each. end: the pool's first texel that nobody ever had.
+    `count` of each. end: the pool's first texel that nobody ever had. Where nothing was held both begin anew.
     """
+    if last_shapes.shape[0] == 0:
+        end[0] = wp.int64(MOST_TEXELS)
+        for kind in range(KINDS):
+            count[kind] = 0
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3] - 1, shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
+        for entry in range(shapes[k][3] - 1, shapes[k][3] + tiles_in_sight(shapes, finest, k)):
             now[POSE, entry] = poses[now[EPOCH, entry] - oldest]
     for j in range(last_shapes.shape[0]):
         k = after[j]
         for i in range(-1, tiles_in(last_shapes, j)):
-            was = last_shapes[j, 3] + i
+            was = last_shapes[j][3] + i
             if last[KEEP, was] != NEVER:
                 lost = k < 0
                 if not lost:
-                    lost = not is_held(now, shapes[k, 3] + i, last, was, i < 0)
+                    lost = shapes[k][0] != last_shapes[j][0]
+                if not lost:
+                    lost = not is_held(now, shapes[k][3] + i, last, was, i < 0)
                 if lost:
-                    kind = kind_of(last_shapes[j, 0], last_shapes[j, 2], i < 0, last[KEEP, was])
+                    kind = kind_of(last_shapes[j][0], last_shapes[j][2], i < 0, last[KEEP, was])
                     free[kind, count[kind]] = last[START, was]
                     count[kind] += 1
     for k in range(shapes.shape[0]):
-        tile_level = shapes[k, 2]
+        tile_level = shapes[k][2]
         whole = 1 << (2 * tile_level)
         j = before[k]
+        if j >= 0:
+            if last_shapes[j][0] != shapes[k][0]:
+                j = wp.int32(-1)
         for i in range(-1, tiles_in_sight(shapes, finest, k)):
-            entry = shapes[k, 3] + i
+            entry = shapes[k][3] + i
             keep = now[KEEP, entry]
             anew = now[SHADE, entry]
             start = wp.int32(0)
             held = wp.bool(False)
             if j >= 0:
-                was = last_shapes[j, 3] + i
+                was = last_shapes[j][3] + i
                 held = is_held(now, entry, last, was, i < 0)
                 if held:
                     keep = last[KEEP, was]
@@ -189,7 +227,7 @@ def hold_tiles(
                     if keep != NEVER:
                         start = last[START, was]
             if not held and keep != NEVER:
-                kind = kind_of(shapes[k, 0], tile_level, i < 0, keep)
+                kind = kind_of(shapes[k][0], tile_level, i < 0, keep)
                 if count[kind] > 0:
                     count[kind] -= 1
                     start = free[kind, count[kind]]
@@ -210,14 +248,14 @@ def way_of(
     widened: wp.array2d(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
-    shapes: wp.array2d(dtype=wp.int32),
+    shapes: wp.array(dtype=wp.vec4i),
     epoch: wp.int32,
     target: wp.int32,
     level: wp.int32,
 ) -> wp.int32:
     """How a level of a target is lit. Between texels of the maps two normals that are blended by magnification are no
     roughness."""
-    if shapes[target, 0] >> level > texels:
+    if shapes[target][0] >> level > texels:
         return wp.int32(BETWEEN)
     return wp.where(square and not widened[epoch, target], wp.int32(ALIGNED), wp.int32(FILTERED))
 
@@ -228,7 +266,7 @@ def order_jobs(
     widened: wp.array2d(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
-    shapes: wp.array2d(dtype=wp.int32),
+    shapes: wp.array(dtype=wp.vec4i),
     finest: wp.array(dtype=wp.int32),
     table: wp.array2d(dtype=wp.int32),
     places: wp.array3d(dtype=wp.int32),
@@ -240,11 +278,15 @@ def order_jobs(
     """Jobs of all tiles to be shaded now, by epoch, way, target and level (see `swimlab.render.kernels.tiles`).
 
     widened: [epochs, targets], whether a target's chart is. square: whether the maps are as long as wide. texels: of
-    them along their longer side. places: [epochs, targets, LEVELS], 0 before, scratch. ranges: [epochs, WAYS + 1], the
-    first job of each, and the end.
+    them along their longer side. places: [epochs, targets, LEVELS], scratch. ranges: [epochs, WAYS + 1], the first job
+    of each, and the end.
     """
+    for epoch in range(places.shape[0]):
+        for k in range(places.shape[1]):
+            for level in range(LEVELS):
+                places[epoch, k, level] = 0
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
+        for entry in range(shapes[k][3], shapes[k][3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 places[table[EPOCH, entry] - oldest, k, level] += 1
@@ -260,7 +302,7 @@ def order_jobs(
                         stop = placed + wanted
                         places[epoch, k, level] = placed
                         while placed < stop:
-                            together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k, 2] + level)), stop - placed)
+                            together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k][2] + level)), stop - placed)
                             jobs[found, 0] = k
                             jobs[found, 1] = level
                             jobs[found, 2] = placed
@@ -269,7 +311,7 @@ def order_jobs(
                             placed += together
         ranges[epoch, wp.static(WAYS)] = found
     for k in range(shapes.shape[0]):
-        for entry in range(shapes[k, 3], shapes[k, 3] + tiles_in_sight(shapes, finest, k)):
+        for entry in range(shapes[k][3], shapes[k][3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
                 epoch = table[EPOCH, entry] - oldest
@@ -286,12 +328,12 @@ def place_tiles(
     widened: wp.array2d(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
-    shapes: wp.array2d(dtype=wp.int32),
+    shapes: wp.array(dtype=wp.vec4i),
     finest: wp.array(dtype=wp.int32),
     before: wp.array(dtype=wp.int32),
     now: wp.array2d(dtype=wp.int32),
     pages: wp.array(dtype=wp.int32),
-    last_shapes: wp.array2d(dtype=wp.int32),
+    last_shapes: wp.array(dtype=wp.vec4i),
     after: wp.array(dtype=wp.int32),
     last: wp.array2d(dtype=wp.int32),
     free: wp.array2d(dtype=wp.int32),

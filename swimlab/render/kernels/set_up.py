@@ -34,6 +34,7 @@ def rows_reached(a: wp.vec3d, b: wp.vec3d, c: wp.vec3d) -> wp.vec2d:
 
 @wp.kernel
 def set_up_triangles(
+    first: wp.int32,
     points: wp.array(dtype=wp.vec3d),
     uv: wp.array(dtype=wp.vec2d),
     positions: wp.array(dtype=wp.vec3d),
@@ -49,7 +50,7 @@ def set_up_triangles(
     With e0 = v1 x v2 and so on and d = v0 . e0, 1/w = sum e_k / d and a/w = sum a_k e_k / d. A triangle seen from
     behind has all signs turned. What is not `drawn` reaches no row.
     """
-    k = wp.tid()
+    k = first + wp.tid()
     i = corners[k][0]
     j = corners[k][1]
     m = corners[k][2]

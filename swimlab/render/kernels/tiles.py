@@ -250,8 +250,8 @@ def keeping() -> Twins:
 
 @made_once
 def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that shades, reduces and keeps tiles, one thread a job, from job `begin` on. `lit` receives how many
-    texels each shaded.
+    """The kernel that shades, reduces and keeps tiles, one thread a job; `lit` receives how many texels
+    each shaded.
 
     Techniques differ in `fill` and `shade_packet`, as in `shade_samples`. charts: of each target the first of its
     triangles and one past the last.
@@ -263,7 +263,6 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
     @wp.kernel(module="unique", enable_backward=False)
     def kernel(
         first_job: wp.int32,
-        begin: wp.int32,
         jobs: wp.array2d(dtype=wp.int32),
         tiles: wp.array(dtype=wp.int32),
         kept: wp.array(dtype=wp.int32),
@@ -275,9 +274,9 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
         chain: Chain,
         sun: Sun,
         held: wp.array(dtype=wp.vec4),
-        lit: wp.array(dtype=wp.int32),
+        lit: wp.array(dtype=wp.int64),
     ):
-        job = begin + first_job + wp.tid()
+        job = first_job + wp.tid()
         target = jobs[job, 0]
         level = jobs[job, 1]
         first = jobs[job, 2]
@@ -334,18 +333,20 @@ def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.
             found += collect(lanes, owners, s, n, depth, light)
             s += n
         keep(light, tiles, kept, first, count, level, pages, held)
-        lit[job] = found
+        lit[job] = wp.int64(found)
 
     return kernel
 
 
 @wp.kernel
-def reduce_coarse(atlas: Atlas, finest: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.vec4)):
+def reduce_coarse(
+    first_target: wp.int32, atlas: Atlas, finest: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.vec4)
+):
     """Fill the levels of a target at which a texel is more than a tile, one thread a target.
 
     finest: the finest level that is read of each, NEVER for none.
     """
-    target = wp.tid()
+    target = first_target + wp.tid()
     if finest[target] != NEVER:
         pages = pages_of(atlas, target)
         upper = wp.int32(pages.table[pages.first - 1])

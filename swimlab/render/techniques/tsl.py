@@ -7,13 +7,17 @@ footprint touches, at the level it needs, from moments of the maps where a texel
 from frame to frame.
 """
 
+from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Held, Pool, Shelf, Tiles
+from swimlab.render.atlas import Held, Lit, Pool, Shelf, Tiles
+from swimlab.render.charts import charts_of
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
@@ -21,7 +25,7 @@ from swimlab.render.layout import equal_widths
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Screen, Ways, light_frames, painted
+from swimlab.render.target import Before, Lighting, Painting, Screen, Ways, lay_out_nothing, light_frames
 from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -31,7 +35,8 @@ INPUTS = {inputs.name: inputs for inputs in (BOX, toksvig.INPUTS, vmf.INPUTS, cl
 SHADING = {"all": ALL, "visible": VISIBLE, "needed": NEEDED}
 
 MOST_TILES = 1 << 16
-"""Tiles of all targets, where charts that come and go keep theirs: some hundred bytes each."""
+"""Tiles of all targets, unless more are in sight: all charts have one, or those that come and go keep theirs. Each
+takes some hundred bytes."""
 
 
 class TslSettings(Settings):
@@ -62,27 +67,50 @@ class TslSettings(Settings):
         return size
 
 
-def screen_of(launcher: Launcher, settings: TslSettings, most: int = 0) -> Screen:
-    """A screen that has seen nothing. most: targets, unless more are in sight."""
-    return Screen(launcher, settings.anisotropy, SHADING[settings.texels], most)
+class Plan:
+    """Which tiles of which targets pictures take, frame after frame. screen: what sees them."""
 
+    def __init__(self, launcher: Launcher, settings: TslSettings, most: int = 0) -> None:
+        """most: targets, unless more are in sight."""
+        self.screen = Screen(launcher, settings.anisotropy, SHADING[settings.texels], most)
+        self._settings, self._whole, self._fitted = settings, Shelf(launcher), Shelf(launcher)
 
-def planned(screen: Screen, shot: Shot, settings: TslSettings, shelf: Shelf) -> Tiles:
-    """Which tiles of which targets a picture takes."""
-    tiles = screen.see(shot, lambda segments: shelf.take(segments, equal_widths(len(segments), settings.size)))
-    if settings.sizes == "fitted" and screen.in_sight > 0:
-        sizes = tiles.layout.widths
-        fitted = np.maximum(16, sizes >> np.clip(tiles.finest.host + settings.coarser, 0, 16))
-        if not np.array_equal(fitted, sizes):
-            tiles = shelf.take(screen.segments, fitted)
-            screen.mark(tiles)
-    return tiles
+    def tiles(self, shot: Shot, before: Before = lay_out_nothing) -> Tiles:
+        """The tiles of a frame, marked. before: not called where there are none; of fitted targets with these alone."""
+        screen, take = self.screen, partial(self._take, self._whole)
+        if self._settings.sizes == "fixed":
+            return screen.see(shot, take, before)
+        rest = None
+
+        def before_whole(whole: Tiles) -> None:
+            nonlocal rest
+            rest = self._fitting(shot, whole, before)
+
+        whole = screen.see(shot, take, before_whole)
+        return whole if rest is None or screen.in_sight == 0 else rest()
+
+    def _take(self, shelf: Shelf, segments: NDArray[np.int64]) -> Tiles:
+        return shelf.take(segments, equal_widths(len(segments), self._settings.size))
+
+    def _fitting(self, shot: Shot, whole: Tiles, before: Before) -> Callable[[], Tiles]:
+        """What fits targets, and marks their tiles, when those of whole ones are marked."""
+        tiles = self._take(self._fitted, whole.segments)
+        fit = tiles.fitting(whole, self._settings.coarser)
+        # Triangles of charts that may be widened are not known before all targets are.
+        mark = self.screen.marking(tiles, before) if charts_of(shot).are_wide else None
+
+        def fitted() -> Tiles:
+            fit()
+            (mark or self.screen.marking(tiles, before))()
+            return tiles
+
+        return fitted
 
 
 def planned_alone(shot: Shot, settings: TslSettings) -> tuple[Screen, Tiles]:
     """A screen that has seen one frame, and the tiles that its picture takes."""
-    screen = screen_of(shot.launcher, settings)
-    return screen, planned(screen, shot, settings, Shelf(shot.launcher))
+    plan = Plan(shot.launcher, settings)
+    return plan.screen, plan.tiles(shot)
 
 
 class Targets:
@@ -93,34 +121,55 @@ class Targets:
 
     def __init__(self, shot: Shot, settings: TslSettings) -> None:
         """Any of the shots."""
-        launcher, fitted = shot.launcher, settings.sizes == "fitted"
-        self._settings, self._shelf = settings, Shelf(launcher, 2 if fitted else 1)
-        self._screen = screen_of(launcher, settings, most_targets(settings))
+        launcher = shot.launcher
+        self._settings, self._plan = settings, Plan(launcher, settings, most_targets(settings))
         self._pool, self._ways = Pool(launcher), Ways(shot, INPUTS[settings.inputs])
         self._epochs, self._lightings = Epochs(settings.reuse, settings.tolerance), dict[int, Lighting]()
         self._held = self._nothing = Held.nothing(launcher)
+        self._usual: list[tuple[int, int]] = []  # ages and ways of the light that the last frame made
 
     def frame(self, shot: Shot) -> Picture:
         """The shot's picture."""
-        screen, epochs, pool = self._screen, self._epochs, self._pool
+        epochs = self._epochs
         # What can be is done before the first kernel, as kernels empty the caches.
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
         self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
         self._lightings[shot.frame] = Lighting(shot, self._ways)
-        tiles = planned(screen, shot, self._settings, self._shelf)
-        if screen.in_sight == 0:
+        paint: Callable[[], Picture] | None = None
+
+        def before(tiles: Tiles) -> None:
+            nonlocal paint
+            paint = self._laid_out(shot, tiles)
+
+        self._plan.tiles(shot, before)
+        if paint is None or self._plan.screen.in_sight == 0:
             return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        # Until this frame is done nothing is known of what is held.
-        held, self._held = self._held, self._nothing
-        frames = epochs.find(tiles, held if held.frame == shot.frame - 1 else self._nothing)
-        lightings = [self._lighting(frame) for frame in frames]
-        jobs = pool.place(tiles, light_frames(lightings, epochs.poses(frames), tiles), held)
-        lights = (light for frame in jobs.frames for light in self._lighting(frame).of(jobs, tiles, pool.texels))
-        picture = painted(screen, tiles, pool.texels, lights)
-        if self._settings.reuse > 1:
-            self._held = tiles.hold(shot.frame)
-        return Picture(to_image(picture), shaded=tiles.shaded(jobs))
+        return paint()
+
+    def _laid_out(self, shot: Shot, tiles: Tiles) -> Callable[[], Picture]:
+        """What lights tiles once they are marked, and makes the picture. It may be laid out and not run."""
+        screen, epochs, pool, held = self._plan.screen, self._epochs, self._pool, self._held
+        frames, find = epochs.finding(tiles, held if held.frame == shot.frame - 1 else self._nothing)
+        lightings = {frame: self._lighting(frame) for frame in frames}
+        place = pool.placing(tiles, light_frames([*lightings.values()], epochs.poses(frames), tiles), held)
+        likely = [Lit(shot.frame - age, way) for age, way in self._usual]
+        painting = Painting(screen, tiles, pool.texels, lightings, likely)
+
+        def paint() -> Picture:
+            # Until this is done nothing is known of what is held.
+            self._held = self._nothing
+            find()
+            jobs = place()
+            grown = pool.texels is not painting.texels
+            painted = Painting(screen, tiles, pool.texels, lightings) if grown else painting
+            picture = painted.picture(jobs)
+            self._usual = [(shot.frame - lit.frame, lit.way) for lit in jobs.by_light]
+            if self._settings.reuse > 1:
+                self._held = tiles.hold(shot.frame)
+            return Picture(to_image(picture), shaded=tiles.shaded(jobs))
+
+        return paint
 
     def _lighting(self, frame: int) -> Lighting:
         if frame not in self._lightings:

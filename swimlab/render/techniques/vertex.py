@@ -15,7 +15,7 @@ import warp as wp
 from numpy.typing import NDArray
 from pydantic import Field
 
-from metrics.kernels.launch import Launcher, Scratch
+from metrics.kernels.launch import Launcher, OnRows, Scratch
 from metrics.kernels.making import made_once
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.raster import sample_position, see_row
@@ -144,8 +144,8 @@ class Vertices:
         inputs = [self.uv, self.positions, self.slope, lod, chain.texels, chain.shape, shot.sun, colours]
         return colours, launcher.record(kernel, count, inputs)
 
-    def to_set_up(self, launcher: Launcher, colours: Any, chosen: NDArray[np.bool_]) -> tuple[Triangles, Any]:
-        """The chosen triangles, in order, and the launch that sets them up.
+    def to_set_up(self, launcher: Launcher, colours: Any, chosen: NDArray[np.bool_]) -> tuple[Triangles, OnRows]:
+        """The chosen triangles, in order, and what sets them up.
 
         Their planes carry colours in the place of positions.
         """
@@ -184,7 +184,7 @@ def render(shot: Shot, settings: VertexSettings) -> Picture:
         own=Scratch(grid.width, wp.int32),
     )
     launcher.start(shade)
-    launcher.start(set_up)
+    set_up()
     draw()
     return Picture(to_image(picture), shaded=len(colours))
 

@@ -3,14 +3,13 @@
 Cores may share memory and clock, or be two hardware threads of one core; then no program is twice as fast on both.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from typing import Any
 
 import warp as wp
 
-from metrics.kernels.launch import Launcher, Own
+from metrics.kernels.launch import Launcher, OnRows, Own, no_inputs
 from swimlab.studies.trials import Stage, Variant
 from swimlab.studies.turns import Task
 
@@ -32,11 +31,21 @@ class WholeLauncher(Launcher):
         each: int = 1,
         strip: int = 0,
         n: int = 1,
-        own: Own = lambda _: (),
-    ) -> Callable[[], None]:
+        own: Own = no_inputs,
+    ) -> OnRows:
         """As the launcher does it, but in one strip."""
-        self.held.append(self.record(kernel, (-(-rows // each), *width), [0, *inputs, *self.made(own, 1)]))
-        return partial(self.start, self.held[-1])
+
+        def dim(count: int) -> tuple[int, ...]:
+            return (-(-count // each), *width)
+
+        command = self.record(kernel, dim(rows), [0, *inputs, *self.made(own, 1)])
+
+        def run(some: range = range(rows)) -> None:
+            command.only(some, dim)
+            self.held.append(command)
+            self.start(command)
+
+        return run
 
 
 def parallel_tasks(stage: Stage, variant: Variant, launcher: WholeLauncher, pool: ThreadPoolExecutor) -> list[Task]:

@@ -16,7 +16,7 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metrics.kernels.launch import MOST_SCRATCH, Launcher, Scratch
+from metrics.kernels.launch import Launcher, Scratch
 from sequences import load
 from swimlab.render.catalogue import techniques
 from swimlab.render.geometry import describe_geometry
@@ -97,15 +97,6 @@ def test_scratch_is_of_one_launch_at_a_time_and_is_used_again(launchers, monkeyp
         launcher.over(300, count_up, (), [launcher.zeros((300, 6), wp.int32)], own=Scratch(6, wp.int32))
         assert made.count((1, 6)) == launcher.threads
         made.clear()
-
-
-def test_little_scratch_is_held_however_many_sizes_there_are():
-    with Launcher(threads=2) as launcher:
-        for width in range(1, 3 * MOST_SCRATCH):
-            times = launcher.zeros((8, width), wp.int32)
-            launcher.over(8, count_up, (), [times], own=Scratch(width, wp.int32))
-            assert (times.numpy() == 1).all()
-            assert len(launcher._scratch) <= MOST_SCRATCH
 
 
 def test_a_launcher_that_is_forgotten_ends_its_threads_at_once():

@@ -6,6 +6,7 @@ from scipy.ndimage import binary_erosion, map_coordinates
 
 from metrics.kernels.launch import Strip
 from sequences import load
+from swimlab.render.atlas import Tiles
 from swimlab.render.charts import Charts
 from swimlab.render.geometry import describe_geometry
 from swimlab.render.kernels.structs import Grid
@@ -116,7 +117,7 @@ def test_back_faces_are_drawn_neither_on_the_screen_nor_into_targets(shoot):
     shot = shoot(sequence, 0)
     scene, eye = sequence.scene.road, sequence.camera.eye(sequence.scene.road)
     charts = Charts.of(shot.launcher, shot.mesh)
-    drawn_charts = charts.drawn(Layout(np.arange(2, 12), np.full(10, size, np.int32)))
+    drawn_charts = charts.drawn(Tiles(shot.launcher, Layout(np.arange(2, 12), np.full(10, size, np.int32))))
     away = 0
     for place, segment in enumerate(range(2, 12)):
         y = (segment + np.arange(cut + 1) / cut) * scene.segment

@@ -7,10 +7,12 @@ from oracle import Oracle
 from pydantic import ValidationError
 
 from sequences import load
-from swimlab.render.atlas import Shelf
+from swimlab.render.atlas import Tiles
+from swimlab.render.charts import charts_of
 from swimlab.render.kernels.packet import PLACES
 from swimlab.render.kernels.texture_space import NEVER, Atlas, marking, pages_of
 from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.layout import Layout, equal_widths
 from swimlab.render.techniques import tsl
 
 SHORT = load("road-shift").with_changes(
@@ -107,12 +109,12 @@ def test_charts_that_come_and_go_keep_their_targets(shoot, render, monkeypatch, 
     """Far charts are narrower than a pixel. Those out of sight are not lit, and change nothing."""
     monkeypatch.setattr(tsl, "MOST_TILES", 4 * most)
     sequence, settings = load("road-shift").with_changes(size=(96, 54)), tsl.TslSettings(size=64, texels=texels)
-    launcher, renderer, idle = shoot(sequence).launcher, tsl.TECHNIQUE.begin(), []
-    screen, shelf = tsl.screen_of(launcher, settings, most), Shelf(launcher)
+    renderer, idle = tsl.TECHNIQUE.begin(), []
+    plan = tsl.Plan(shoot(sequence).launcher, settings, most)
     for frame in range(8):
         shot = shoot(sequence, frame)
-        tsl.planned(screen, shot, settings, shelf)
-        targets, in_sight = screen.segments.tolist(), tsl.planned_alone(shot, settings)[0].segments.tolist()
+        plan.tiles(shot)
+        targets, in_sight = plan.screen.segments.tolist(), tsl.planned_alone(shot, settings)[0].segments.tolist()
         assert set(in_sight) <= set(targets)
         assert len(targets) <= max(most, len(in_sight))
         idle.append(len(targets) - len(in_sight))
@@ -120,6 +122,33 @@ def test_charts_that_come_and_go_keep_their_targets(shoot, render, monkeypatch, 
         assert kept.rgba.tobytes() == plain.rgba.tobytes()
         assert kept.shaded == plain.shaded
     assert max(idle) > 0
+
+
+@pytest.mark.parametrize("name", ["road-shift", "road-drive", "road-posts", "road-sliver"])
+@pytest.mark.parametrize("coarser", [-1, 0, 2])
+def test_targets_fit_what_is_read_of_them(shoot, name, coarser):
+    """Each is the smallest in which no footprint is magnified, down to 16 texels, and by some levels smaller."""
+    settings, whole = tsl.TslSettings(size=4096, sizes="fitted", coarser=coarser), tsl.TslSettings(size=4096)
+    sequence = load(name).with_changes(size=(96, 54))
+    plan = tsl.Plan(shoot(sequence).launcher, settings)
+    for frame in (0, 1, 5):
+        shot = shoot(sequence, frame)
+        tiles, (screen, exact) = plan.tiles(shot), tsl.planned_alone(shot, whole)
+        finest = dict(zip(screen.segments.tolist(), exact.finest.host.tolist(), strict=True))
+        for segment, width in zip(tiles.segments.tolist(), tiles.layout.widths.tolist(), strict=True):
+            level = min(max(finest.get(segment, NEVER) + coarser, 0), 16)
+            assert width == max(16, 4096 >> level)
+        assert np.array_equal(tiles.layout.shapes, tiles.shapes.host)
+        charts = charts_of(shot)
+        extent = (charts.high - charts.low)[np.searchsorted(charts.segments, tiles.segments)]
+        for each in (
+            tiles,
+            Tiles(shot.launcher, Layout(tiles.segments, equal_widths(len(tiles.segments), 4096))),
+            tiles,
+        ):
+            narrow = np.any(extent * each.layout.widths[:, None] < 1, axis=1)
+            assert np.array_equal(charts.drawn(each).widened, narrow)
+    assert charts.are_wide == (name in {"road-shift", "road-drive"})
 
 
 def test_road_out_of_sight_costs_nothing(shoot):
