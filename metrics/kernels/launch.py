@@ -173,10 +173,10 @@ class Launcher:
     ) -> OnRows:
         """What runs a kernel over rows of a picture, in strips; the kernel's first input is the first row.
 
-        It is called once at most, for all of them or with a range of some: then another launch has its memory. The
-        kernel's dim is (rows, *width), or a thread of
-        it takes `each` rows, of which strips are whole multiples. The picture has n x n samples a pixel. strip: rows of
-        samples of a strip.
+        It is called once at most, for all of them or with a range of some: then another launch has its memory.
+
+        The kernel's dim is (rows, *width), or a thread of it takes `each` rows, of which strips are whole multiples.
+        The picture has n x n samples a pixel. strip: rows of samples of a strip.
         """
 
         def dim(count: int) -> tuple[int, ...]:
