@@ -20,6 +20,8 @@ FRAMES = (2, 4, 8)
 TOLERANCES = (0.1, 0.3)
 ALWAYS = 1e9
 """A tolerance that leaves all to the schedule."""
+SOME = 0.05
+"""Of the texels: settings that differ by less tell nothing of what lighting them costs."""
 WANTED = 1.05
 """Times the error of light that is made anew that a saving may cost."""
 
@@ -122,6 +124,13 @@ def _verdict(rows: Mapping[str, Row]) -> str:
         f" The least that was tried to be lit anew, {least.trial.shaded / whole:.2f} of the texels "
         f"(`{least.trial.variant.label}`), takes {cpu(least.times) / cpu(plain.times):.2f} of the time."
     )
+    shaded = np.array([row.trial.shaded for row in kept])
+    if np.ptp(shaded) > SOME * whole:
+        _, none = np.polyfit(shaded, [cpu(row.times) for row in kept], 1)
+        binds += (
+            f" With none lit anew it would be {none / cpu(plain.times):.2f}, by a straight line through all that keep "
+            "light (least squares): no more can be saved."
+        )
     if cpu(best.times) >= cpu(plain.times):
         return f"nothing that was tried is cheaper within {WANTED:g} times the error.{binds}"
     return (
