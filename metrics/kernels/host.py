@@ -88,17 +88,17 @@ class HostLaunch:
         self.inputs = inputs
 
     def with_last(self, inputs: Sequence[Any]) -> "HostLaunch":
-        """Another one with other inputs, Warp's arrays, in the place of the last ones. It holds only these."""
+        """Another one with other inputs in the place of the last ones. It holds only these."""
         other = copy(self)
         other.arguments, other.inputs = type(self.arguments).from_buffer_copy(self.arguments), inputs
         for k, array in enumerate(inputs, len(self.inputs) - len(inputs)):
-            setattr(other.arguments, f"_{k}", array.__ctype__())
+            setattr(other.arguments, self.of.names[k], self.of.formed(k, array))
         return other
 
     def take_over(self, other: "HostLaunch", count: int) -> None:
         """Have the first arguments of another launch of the same kernel, so many."""
-        fields = type(self.arguments)
-        end = getattr(fields, f"_{count}").offset if count < len(fields._fields_) else ctypes.sizeof(fields)
+        fields, names = type(self.arguments), self.of.names
+        end = getattr(fields, names[count]).offset if count < len(names) else ctypes.sizeof(fields)
         ctypes.memmove(ctypes.byref(self.arguments), ctypes.byref(other.arguments), end)
 
 

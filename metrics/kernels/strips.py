@@ -1,8 +1,7 @@
 """Strips of rows that threads take one after another in native code: between two of them nobody waits for Python.
 
 A kernel's first argument is the first row of its strip. Whoever leads wakes helpers, takes strips and waits for those
-who have woken; a helper takes strips whenever it is woken. What they share in memory is declared twice, in Python and
-in C.
+who have woken; a helper takes strips whenever it is woken. What they share in memory C declares as Python does.
 """
 
 import ctypes
@@ -46,9 +45,19 @@ class Helper(ctypes.Structure):
     )
 
 
-TYPES = """
-    struct Strips { void* function; void* each; void* last; int begin; int end; int height; int taken; };
-    struct Helper { void* wake; void* done; Strips* strips; void* arguments; Helper* next; int idle; int serves; };
+IN_C = {ctypes.c_void_p: "void*", ctypes.c_int32: "int"}
+
+
+def declared(structure: type[Strips | Helper]) -> str:
+    """A structure's declaration in C."""
+    fields = "".join(f" {IN_C[kind]} {name};" for name, kind in structure._fields_)
+    return f"struct {structure.__name__} {{{fields} }};"
+
+
+TYPES = (
+    declared(Strips)
+    + declared(Helper)
+    + """
     using Acquire = auto (void*, int) -> int;
     using Release = auto (void*) -> void;
     const auto take = [](Strips* strips, void* arguments) {
@@ -70,13 +79,14 @@ TYPES = """
         release(helper->wake);
     };
 """
+)
 
 LEAD = """
     void** own = (void**)arguments;
     Helper* mine = nullptr;
     for (Helper* helper = (Helper*)helpers; helper < (Helper*)helpers + count && asked > 0; ++helper) {
         if (!claim(helper)) continue;
-        helper->strips = (Strips*)strips;
+        helper->strips = (void*)strips;
         helper->arguments = own[asked--];
         helper->next = mine;
         mine = helper;
@@ -85,7 +95,7 @@ LEAD = """
     take((Strips*)strips, own[0]);
     while (mine) {
         Helper* const helper = mine;
-        mine = helper->next;
+        mine = (Helper*)helper->next;
         // Who has not woken by now finds nothing left, and sleeps on.
         if (!((Acquire*)acquire)(helper->wake, 0)) ((Acquire*)acquire)(helper->done, 1);
         __atomic_store_n(&helper->idle, 1, __ATOMIC_SEQ_CST);
@@ -98,7 +108,7 @@ SERVE = """
     for (;;) {
         ((Acquire*)acquire)(helper->wake, 1);
         if (!helper->strips) return;
-        take(helper->strips, helper->arguments);
+        take((Strips*)helper->strips, helper->arguments);
         ((Release*)release)(helper->done);
     }
 """

@@ -6,7 +6,7 @@ highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e
 has turned by as much. That frame follows from the sequence alone, so that what was rendered before changes no bit.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from math import e, sqrt
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from swimlab.render.atlas import Held, Tiles
 from swimlab.render.kernels.epochs import follow
 from swimlab.render.layout import Ints, Layout, placed
 from swimlab.render.mesh import charts_in
-from swimlab.render.shot import Kept, Shot
+from swimlab.render.shot import Kept, Made, Shot
 
 
 class Pose(NamedTuple):
@@ -29,6 +29,11 @@ class Pose(NamedTuple):
     direction: tuple[float, ...]
     diffuse: float
     number: int
+
+
+def recent(kept: Mapping[int, Made], near: range) -> dict[int, Made]:
+    """What is kept of some frames, of those in a range."""
+    return {frame: made for frame, made in kept.items() if frame in near}
 
 
 class Epochs:
@@ -47,10 +52,9 @@ class Epochs:
         """Make `shot` the present, and forget frames that are too old to matter."""
         self._now = shot
         near = range(self.oldest, shot.frame)
-        self._shots = {frame: old for frame, old in self._shots.items() if frame in near} | {shot.frame: shot}
-        self._drawn = {frame: old for frame, old in self._drawn.items() if frame in near}
-        self._wholes = {frame: old for frame, old in self._wholes.items() if frame in near}
-        self._poses = {frame: old for frame, old in self._poses.items() if frame in near}
+        self._shots = recent(self._shots, near) | {shot.frame: shot}
+        self._drawn, self._wholes = recent(self._drawn, near), recent(self._wholes, near)
+        self._poses = recent(self._poses, near)
         self._window = [self._pose(frame) for frame in self._frames()] if self._reuse > 1 else []
 
     def shot(self, frame: int) -> Shot:

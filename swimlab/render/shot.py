@@ -1,7 +1,7 @@
 """One frame to render: everything that all techniques share, set up once."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -55,10 +55,7 @@ class Shot:
 
     def at(self, frame: int) -> "Shot":
         """Another frame; the mesh and its set-up are kept where the eye stands still."""
-        if frame == self.frame:
-            return self
-        same = self.material, self.model, self.samples, self.launcher, self.thinnest, self._kept
-        return Shot(self.sequence, frame, *same)
+        return self if frame == self.frame else replace(self, frame=frame)
 
     @cached_property
     def view(self) -> View:

@@ -8,6 +8,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher, OnRows
+from metrics.kernels.shared import Shared
 from swimlab.render.atlas import Jobs, LightFrames, Lit, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
@@ -83,13 +84,10 @@ class Screen:
         self._charts = None  # until it is so
         if not np.array_equal(segments, self.segments):
             self.segments = segments
-        launcher, count = self._launcher, charts.segments.shape
-        if self._seen.host.shape != count:
-            self._seen, self._targets = launcher.shared(count, wp.int32), launcher.shared(count, wp.int32)
-        if self._places.host.shape != segments.shape:
-            self._places = launcher.shared(segments.shape, wp.int32)
-        if self._owners.host.shape != charts.owners.shape:
-            self._owners = launcher.shared(charts.owners.shape, wp.int32)
+        self._seen = self._one_for_each(charts.segments, self._seen)
+        self._targets = self._one_for_each(charts.segments, self._targets)
+        self._places = self._one_for_each(segments, self._places)
+        self._owners = self._one_for_each(charts.owners, self._owners)
         self._owners.host[:] = charts.owners
         self._owners.send()
         self._places.host[...] = place = placed(segments, charts.segments)
@@ -98,6 +96,10 @@ class Screen:
         self._targets.host[place[has]] = has
         self._targets.send()
         self._narrowest, self._charts = charts.narrowest, charts
+
+    def _one_for_each(self, of: NDArray[Any], array: Shared) -> Shared:
+        """The array where it has a number for each, or another one."""
+        return array if array.host.shape == of.shape else self._launcher.shared(of.shape, wp.int32)
 
     def marking(self, tiles: Tiles, before: Before, *, draws: bool = False) -> Callable[[], None]:
         """What sets what pasting reads of each tile, and which are shaded and kept.

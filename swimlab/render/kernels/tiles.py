@@ -250,11 +250,10 @@ def keeping() -> Twins:
 
 @made_once
 def light_tiles(fill: wp.Function, shade_packet: wp.Function, width: int) -> wp.Kernel:
-    """The kernel that shades, reduces and keeps tiles, one thread a job; `lit` receives how many texels
-    each shaded.
+    """The kernel that shades, reduces and keeps tiles, one thread a job.
 
     Techniques differ in `fill` and `shade_packet`, as in `shade_samples`. charts: of each target the first of its
-    triangles and one past the last.
+    triangles and one past the last. lit: receives how many texels each job shaded.
     """
     texel_type = TEXELS[width]
     locate, collect, keep = locate_texels(width).native, collecting().native, keeping().native

@@ -19,10 +19,10 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Held, Lit, Pool, Shelf, Tiles
 from swimlab.render.charts import charts_of
 from swimlab.render.inputs import BOX
-from swimlab.render.kernels.placing import ALL, NEEDED, VISIBLE
+from swimlab.render.kernels.placing import ALL, LEAST_WIDTH, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
 from swimlab.render.layout import equal_widths
-from swimlab.render.reuse import Epochs
+from swimlab.render.reuse import Epochs, recent
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
 from swimlab.render.target import Before, Lighting, Painting, Screen, Ways, lay_out_nothing, light_frames
@@ -42,7 +42,9 @@ takes some hundred bytes."""
 class TslSettings(Settings):
     """Targets, which of their texels are shaded, and how they are read."""
 
-    size: int = Field(1024, ge=16, le=8192, description="texels along each side of a segment's target, a power of two")
+    size: int = Field(
+        1024, ge=LEAST_WIDTH, le=8192, description="texels along each side of a segment's target, a power of two"
+    )
     anisotropy: int = Field(16, ge=1, le=64, description="most probes along the footprint's major axis when pasting")
     inputs: Literal["box", "toksvig", "vmf", "clean", "lean"] = Field(
         "box", description="how the maps are filtered where a target's texel is larger than theirs"
@@ -134,7 +136,7 @@ class Targets:
         # What can be is done before the first kernel, as kernels empty the caches.
         epochs.look(shot)
         near = range(epochs.oldest, shot.frame)
-        self._lightings = {frame: old for frame, old in self._lightings.items() if frame in near}
+        self._lightings = recent(self._lightings, near)
         self._lightings[shot.frame] = Lighting(shot, self._ways)
         paint: Callable[[], Picture] | None = None
 

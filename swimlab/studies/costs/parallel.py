@@ -7,49 +7,27 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import warp as wp
-
-from metrics.kernels.launch import Launcher, OnRows, Own, no_inputs
+from metrics.kernels.launch import Launcher
 from swimlab.studies.trials import Stage, Variant
 from swimlab.studies.turns import Task
 
 
 class WholeLauncher(Launcher):
-    """A launcher of one thread that starts a kernel over all rows at once, and holds these launches."""
+    """A launcher of one thread, which starts a kernel over all rows at once, and holds its launches."""
 
     def __init__(self) -> None:
         super().__init__(threads=1)
+        self._spares.close()  # what is held is not laid out again
         self.held: list[Any] = []
 
-    def laid_out(
-        self,
-        rows: int,
-        kernel: wp.Kernel,
-        width: tuple[int, ...],
-        inputs: Sequence[Any],
-        *,
-        each: int = 1,
-        strip: int = 0,
-        n: int = 1,
-        own: Own = no_inputs,
-    ) -> OnRows:
-        """As the launcher does it, but in one strip."""
-
-        def dim(count: int) -> tuple[int, ...]:
-            return (-(-count // each), *width)
-
-        command = self.record(kernel, dim(rows), [0, *inputs, *self.made(own, 1)])
-
-        def run(some: range = range(rows)) -> None:
-            command.only(some, dim)
-            self.held.append(command)
-            self.start(command)
-
-        return run
+    def start(self, command: Any) -> None:
+        """Start a recorded launch and hold it."""
+        self.held.append(command)
+        super().start(command)
 
 
 def parallel_tasks(stage: Stage, variant: Variant, launcher: WholeLauncher, pool: ThreadPoolExecutor) -> list[Task]:
-    """The kernels over rows of two frames: one frame after the other, and both at the same time.
+    """The kernels of two frames: one frame after the other, and both at the same time.
 
     Each frame has a picture of its own. The stage is of the launcher; `pool` has a thread for the second frame.
     """

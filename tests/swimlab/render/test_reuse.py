@@ -5,19 +5,16 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from made_tiles import tiles_of
 
 from metrics.kernels.launch import Launcher
 from sequences import load
 from swimlab.render import atlas
 from swimlab.render import target as screen
-from swimlab.render.atlas import Held, LightFrames, Pool, Shelf, Tiles
+from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.placing import ALIGNED, ANEW, BETWEEN, EPOCH, FILTERED, KEEP, POSE, SHADE, START
-from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
-from swimlab.render.layout import Layout, matched
+from swimlab.render.kernels.placing import EPOCH
+from swimlab.render.layout import Layout
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
 from swimlab.render.target import Lighting, Painting, Screen, Ways
@@ -119,22 +116,6 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert np.all(np.diff(shaded) < 0)
 
 
-def frames_of(layout, poses, widened=(), square=True, texels=32):
-    """What tiles may be lit as from frame 0 on. widened: (frame, target) of charts that are."""
-    found = np.zeros((len(poses), len(layout.widths)), bool)
-    for frame, target in widened:
-        found[frame, target] = True
-    return LightFrames(0, poses, found, square, texels)
-
-
-def tiles_of(launcher, layout, shade=0, keep=0):
-    """Tiles of targets that are all in sight."""
-    tiles = Tiles(launcher, layout)
-    tiles.finest.fill(0)
-    tiles.table.host[SHADE], tiles.table.host[KEEP] = shade, keep
-    return tiles
-
-
 def ages(shoot, sequence, frame, reuse, tolerance, segments=(2, 3)):
     """How old the light of each tile of two targets is."""
     shot = shoot(sequence, frame)
@@ -198,108 +179,6 @@ def test_wires_have_no_light_of_the_road(shoot):
     wires = np.unique(now.segments[now.loose])
     assert np.isin(wires, before.segments[~before.loose]).any()
     assert ages(shoot, sequence, frame, reuse, 1e9, segments=wires).max() == 0
-
-
-def test_blocks_of_targets_that_change_are_given_back(launcher):
-    """However often they do, the pool grows no more."""
-    pool, last, ends = Pool(launcher), Held.nothing(launcher), []
-    segments = np.arange(3)
-    layouts = [Layout(segments, np.array(widths, np.int32)) for widths in ([64, 32, 16], [32, 64, 64])]
-    for frame in range(60):
-        tiles = tiles_of(launcher, layouts[frame % 2])
-        tiles.table.host[EPOCH] = 0
-        pool.placing(tiles, frames_of(tiles.layout, [7]), last)()
-        ends.append(len(pool.texels))
-        last = tiles.hold(frame)
-    assert ends[2:] == ends[2:3] * 58
-
-
-LEVELS = st.one_of(st.integers(0, TILE_LEVEL), st.just(NEVER))
-
-
-@st.composite
-def clips(draw):
-    """Tiles of some frames: which charts have targets, how large, which levels are kept, and of which light."""
-    frames = []
-    for _ in range(draw(st.integers(1, 6))):
-        segments = np.array(sorted(draw(st.sets(st.integers(0, 5), min_size=1))))
-        widths = np.array(draw(st.lists(st.sampled_from([16, 32, 64]), min_size=len(segments), max_size=len(segments))))
-        layout = Layout(segments, widths.astype(np.int32))
-        keep = np.array(draw(st.lists(LEVELS, min_size=layout.entries, max_size=layout.entries)))
-        owners = np.searchsorted(layout.firsts - 1, np.arange(layout.entries), side="right") - 1
-        keep = np.where(keep == NEVER, NEVER, np.minimum(keep, layout.tile_levels[owners]))
-        keep[layout.firsts - 1] = 0
-        epochs = draw(st.lists(st.integers(0, 1), min_size=layout.entries, max_size=layout.entries))
-        frames.append((layout, keep, np.array(epochs)))
-    return frames
-
-
-def size_of_block(layout, entry, keep):
-    """Texels that an entry holds: a tile's levels but its last, all coarse levels of a target."""
-    target = np.searchsorted(layout.firsts - 1, entry, side="right") - 1
-    across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
-    if entry == layout.firsts[target] - 1:
-        return sum(4**level for level in range(across.bit_length()))
-    return sum(4**level for level in range(1, tile_level - keep + 1))
-
-
-@settings(derandomize=True, max_examples=60, deadline=None)
-@given(frames=clips())
-def test_blocks_that_are_held_never_overlap(launcher, frames):
-    """Whatever was given back before; all lie within the pool, beyond the texels that are nobody's. What is held of
-    the frame before lies where it lay, and all else is to be shaded anew."""
-    pool, last = Pool(launcher), Held.nothing(launcher)
-    for layout, keep, epochs in frames:
-        tiles = tiles_of(launcher, layout, keep, keep)
-        table, held = tiles.table.host, last.table.host
-        table[EPOCH] = epochs
-        pool.placing(tiles, frames_of(layout, [7, 8]), last)()
-        kept, start, anew = table[KEEP], table[START], table[ANEW]
-        blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
-        begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
-        assert (begin[1:] >= (begin + size)[:-1]).all()
-        assert (begin >= MOST_TEXELS).all()
-        assert (begin + size <= len(pool.texels)).all()
-        assert ((kept <= keep) | (keep == NEVER)).all()
-        for target, place in enumerate(matched(layout.segments, last.layout.segments)[0]):
-            if place >= 0 and last.layout.widths[place] != layout.widths[target]:
-                place = -1
-            for entry in range(layout.of(target).start, layout.of(target).stop):
-                was = entry - layout.of(target).start + last.layout.of(place).start if place >= 0 else None
-                same = was is not None and all(held[row, was] == table[row, entry] for row in (SHADE, POSE))
-                if same and held[KEEP, was] <= keep[entry]:
-                    assert anew[entry] == NEVER
-                    assert (kept[entry], start[entry]) == (held[KEEP, was], held[START, was])
-                else:
-                    assert anew[entry] == keep[entry]
-        last = tiles.hold(0)
-
-
-@settings(derandomize=True, max_examples=40, deadline=None)
-@given(frames=clips(), square=st.booleans(), texels=st.sampled_from([8, 32]), widened=st.sets(st.integers(0, 1)))
-def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames, square, texels, widened):
-    """Jobs are of one frame, way, target and level each, and no larger than a whole tile."""
-    layout, keep, epochs = frames[0]
-    tiles = tiles_of(launcher, layout, keep, keep)
-    table = tiles.table.host
-    table[EPOCH] = epochs
-    given = frames_of(layout, [0, 1], {(frame, 0) for frame in widened}, square, texels)
-    jobs = Pool(launcher).placing(tiles, given, Held.nothing(launcher))()
-    order, done = tiles.order.host, []
-    for (frame, way), rows in jobs.by_light.items():
-        for target, level, first, count in tiles.jobs.host[rows.start : rows.stop].tolist():
-            mine = order[first : first + count]
-            done += mine.tolist()
-            fits = square and not (target == 0 and frame in widened)
-            assert way == (BETWEEN if layout.widths[target] >> level > texels else ALIGNED if fits else FILTERED)
-            assert count << 2 * (layout.tile_levels[target] - level) <= 4**TILE_LEVEL
-            assert (np.searchsorted(layout.firsts - 1, mine, side="right") - 1 == target).all()
-            assert (table[ANEW, mine] == level).all()
-            assert (table[EPOCH, mine] == frame).all()
-            assert np.array_equal(tiles.kept.host[first : first + count], keep[mine])
-    of_tiles = np.setdiff1d(np.flatnonzero(keep != NEVER), layout.firsts - 1)
-    assert sorted(done) == of_tiles.tolist()
-    assert jobs.total == sum(map(len, jobs.by_light.values()))
 
 
 FAILING = [
