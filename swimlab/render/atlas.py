@@ -117,57 +117,50 @@ class Shelf:
         return self._kept[1]
 
 
-class LightFrames(NamedTuple):
-    """The frames whose light tiles may have: some that follow each other.
+class Light(NamedTuple):
+    """How the light of now is made, and told from what is held.
 
-    oldest: the first of them. poses: of each a number of where eye and sun were. widened: of each, [targets], whether
-    its charts are. square: whether the maps are as long as wide. texels: of them along their longer side.
+    poses: of each frame whose light may be held, up to now, a number of where eye and sun were; oldest: the first of
+    these frames. widened: [targets], whether their charts are. square: whether the maps are as long as wide. texels:
+    of them along their longer side.
     """
 
     oldest: int
     poses: Sequence[int]
-    widened: Sequence[NDArray[np.bool_]]
+    widened: NDArray[np.bool_]
     square: bool
     texels: int
 
 
-class Lit(NamedTuple):
-    """How jobs are lit: as in a frame, in one of the ways."""
-
-    frame: int
-    way: int
-
-
 class Jobs(NamedTuple):
-    """Which jobs are lit in which way, and how many there are."""
+    """Which jobs are lit in which way, where any are, and how many there are."""
 
-    by_light: Mapping[Lit, range]
+    by_way: Mapping[int, range]
     total: int
 
     @staticmethod
-    def of(oldest: int, ranges: Sequence[Sequence[int]]) -> "Jobs":
-        """ranges: of each frame from the oldest on the first job of each way, and the end."""
-        found = {}
-        for frame, ends in enumerate(ranges, oldest):
-            for way in range(WAYS):
-                if ends[way] < ends[way + 1]:
-                    found[Lit(frame, way)] = range(ends[way], ends[way + 1])
-        return Jobs(found, ranges[-1][-1])
+    def of(ends: Sequence[int]) -> "Jobs":
+        """ends: one past the last job of each way."""
+        ranges = map(range, [0, *ends], ends)
+        return Jobs({way: jobs for way, jobs in enumerate(ranges) if jobs}, ends[-1])
 
 
 class Held(NamedTuple):
-    """The tiles of a frame, whose blocks the pool has, and their table, to which nothing else is written."""
+    """The tiles of a frame, whose blocks the pool has, and their table, to which nothing else is written.
 
-    frame: int
+    frame: None for none.
+    """
+
+    frame: int | None
     layout: Layout
     shapes: Shared
     table: Shared
 
     @staticmethod
     def nothing(launcher: Launcher) -> "Held":
-        """No tiles."""
+        """No tiles, of no frame."""
         layout = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
-        return Held(0, layout, launcher.shared((0,), wp.vec4i), launcher.shared((ROWS, 0), wp.int32))
+        return Held(None, layout, launcher.shared((0,), wp.vec4i), launcher.shared((ROWS, 0), wp.int32))
 
     def matched(self, tiles: Tiles) -> tuple[Any, Any]:
         """Of each target of a frame its place in this one, -1 where it has none; and the other way round."""
@@ -184,13 +177,13 @@ class Ordering(NamedTuple):
     poses: Shared
     widened: Shared
     places: Shared
-    ranges: Shared
+    ends: Shared
 
     @staticmethod
     def of(launcher: Launcher, frames: int, targets: int) -> "Ordering":
         """For so many."""
-        kinds = ((frames,), wp.int32), ((frames, targets), wp.bool), ((frames, targets, LEVELS), wp.int32)
-        return Ordering(*[launcher.shared(*each) for each in (*kinds, ((frames, WAYS + 1), wp.int32))])
+        kinds = ((frames,), wp.int32), ((targets,), wp.bool), ((targets, LEVELS), wp.int32), ((WAYS,), wp.int32)
+        return Ordering(*[launcher.shared(*each) for each in kinds])
 
 
 class Pool:
@@ -204,7 +197,7 @@ class Pool:
         self._free = launcher.shared((KINDS, 0), wp.int32)
         self._ordering = Ordering.of(launcher, 0, 0)
 
-    def placing(self, tiles: Tiles, frames: LightFrames, last: Held) -> Callable[[], Jobs]:
+    def placing(self, tiles: Tiles, light: Light, last: Held) -> Callable[[], Jobs]:
         """What completes the table and the pages of tiles whose EPOCH is known, and says what is to be shaded.
 
         last: what holds blocks, all that does; they are kept or given back. It raises RunError for more texels than can
@@ -214,14 +207,14 @@ class Pool:
         if entries > 0:
             self._make_room(int(self._count.host.max()) + entries)
         before, after = last.matched(tiles)
-        size = len(frames.poses), len(tiles.segments)
-        if self._ordering.widened.host.shape != size:
+        size = len(light.poses), len(tiles.segments)
+        if size != (len(self._ordering.poses.host), len(self._ordering.widened.host)):
             self._ordering = Ordering.of(launcher, *size)
-        poses, widened, places, ranges = self._ordering
-        poses.host[:], widened.host[:] = frames.poses, frames.widened
-        inputs = [frames.oldest, poses, widened, frames.square, frames.texels]
+        poses, widened, places, ends = self._ordering
+        poses.host[:], widened.host[:] = light.poses, light.widened
+        inputs = [light.oldest, poses, widened, light.square, light.texels]
         inputs += [tiles.shapes, tiles.finest, before, tiles.table, tiles.pages, last.shapes, after, last.table]
-        inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ranges]
+        inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ends]
         filled = launcher.on_host(place_tiles, inputs)
 
         def place() -> Jobs:
@@ -229,7 +222,7 @@ class Pool:
             self._grow()
             for array in (tiles.pages, tiles.order, tiles.kept, tiles.jobs, tiles.finest):
                 array.send()
-            return Jobs.of(frames.oldest, ranges.host.tolist())
+            return Jobs.of(ends.host.tolist())
 
         return place
 

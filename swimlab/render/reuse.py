@@ -1,12 +1,13 @@
 """Light that is kept from frame to frame: of which frame the light of a tile is.
 
-Light depends on the eye and on the sun, not on where the camera looks. A tile's light is made anew in turn, every
-`reuse` frames, and between these where at its middle the half vector has turned too far for the lobe of the maps'
-highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e) of its peak a radian; or where the sun
-has turned by as much. That frame follows from the sequence alone, so that what was rendered before changes no bit.
+Light depends on the eye and on the sun, not on where the camera looks. A tile is lit when it comes into sight, and from
+then on anew in turn, every `reuse` frames, and between these where at its middle the half vector has turned too far for
+the lobe of the maps' highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e) of its peak a
+radian; or where the sun has turned by as much. As every tile has its turn within `reuse` frames, light follows from
+these alone, and a frame that is rendered by itself begins with them.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from math import e, sqrt
 from typing import NamedTuple
 
@@ -16,14 +17,15 @@ from numpy.typing import NDArray
 
 from sequences import Road
 from swimlab.render.atlas import Held, Tiles
-from swimlab.render.kernels.epochs import follow
+from swimlab.render.kernels.epochs import CUT, OTHER, WHOLE, follow
 from swimlab.render.layout import Ints, Layout, placed
-from swimlab.render.mesh import charts_in
-from swimlab.render.shot import Kept, Made, Shot
+from swimlab.render.mesh import Mesh, charts_in
+from swimlab.render.shot import Kept, Shot
 
 
 class Pose(NamedTuple):
-    """What light depends on. eye: m, in the world. direction, diffuse: of the sun. Frames of one number are alike."""
+    """What light depends on. eye: m, in the world. direction, diffuse: of the sun. number: the first of the frames up
+    to this one that are alike, as far as they are known."""
 
     eye: tuple[float, ...]
     direction: tuple[float, ...]
@@ -31,84 +33,72 @@ class Pose(NamedTuple):
     number: int
 
 
-def recent(kept: Mapping[int, Made], near: range) -> dict[int, Made]:
-    """What is kept of some frames, of those in a range."""
-    return {frame: made for frame, made in kept.items() if frame in near}
-
-
 class Epochs:
     """Finds the frame whose light tiles have. reuse: frames that light is kept at most. tolerance: see above."""
 
     def __init__(self, reuse: int, tolerance: float) -> None:
         self._reuse, self._tolerance = reuse, tolerance
-        self._shots: dict[int, Shot] = {}
-        self._drawn: dict[int, Roads] = {}
-        self._wholes: dict[int, tuple[NDArray[np.int64], NDArray[np.bool_]]] = {}
         self._poses: dict[int, Pose] = {}
-        self._numbers: dict[object, int] = {}
+        self._roads: dict[int, Roads] = {}
         self._rows = Kept()
 
     def look(self, shot: Shot) -> None:
         """Make `shot` the present, and forget frames that are too old to matter."""
         self._now = shot
-        near = range(self.oldest, shot.frame)
-        self._shots = recent(self._shots, near) | {shot.frame: shot}
-        self._drawn, self._wholes = recent(self._drawn, near), recent(self._wholes, near)
-        self._poses = recent(self._poses, near)
-        self._window = [self._pose(frame) for frame in self._frames()] if self._reuse > 1 else []
-
-    def shot(self, frame: int) -> Shot:
-        """Another frame of the sequence."""
-        if frame not in self._shots:
-            self._shots[frame] = self._now.at(frame)
-        return self._shots[frame]
+        self._roads = {frame: road for frame, road in self._roads.items() if shot.frame - frame in (0, 1)}
+        known, self._poses = self._poses, {}
+        for frame in range(self.oldest, shot.frame + 1):
+            self._poses[frame] = known.get(frame) or self._pose(frame)
 
     @property
     def oldest(self) -> int:
         """The first frame whose light may be kept until now."""
         return self._now.frame - self._reuse + 1
 
-    def poses(self, frames: Iterable[int]) -> list[int]:
-        """A number for each of some frames up to now, the same where eye and sun are the same."""
-        return [self._pose(frame).number if self._reuse > 1 else 0 for frame in frames]
+    @property
+    def poses(self) -> list[int]:
+        """A number of each frame from the oldest up to now, the same where eye and sun have been the same."""
+        return [pose.number for pose in self._poses.values()]
+
+    @property
+    def differ(self) -> bool:
+        """Whether it matters of which of these frames light is."""
+        return self._tolerance > 0 and len(set(self.poses)) > 1
 
     def _pose(self, frame: int) -> Pose:
-        if frame not in self._poses:
-            shot = self.shot(frame)
-            light, camera = shot.sequence.sun(frame), shot.view.camera
+        shot = self._now.at(frame)
+        light, camera = shot.sequence.sun(frame), shot.view.camera
 
-            def content() -> tuple[tuple[float, ...], tuple[float, ...], float]:
-                eye = camera.eye(shot.sequence.scene.road)
-                return tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
+        def content() -> tuple[tuple[float, ...], tuple[float, ...], float]:
+            eye = camera.eye(shot.sequence.scene.road)
+            return tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
 
-            pose = shot.kept("pose", (shot.sequence.scene, camera, light), content)
-            self._poses[frame] = Pose(*pose, self._numbers.setdefault(pose, len(self._numbers)))
-        return self._poses[frame]
+        pose = shot.kept("pose", (shot.sequence.scene, camera, light), content)
+        before = self._poses.get(frame - 1)
+        return Pose(*pose, before.number if before is not None and before[:3] == pose else frame)
 
-    def finding(self, tiles: Tiles, last: Held) -> tuple[range, Callable[[], None]]:
-        """The frames whose light tiles may have, and what fills EPOCH of tiles once they are chosen.
+    def finding(self, tiles: Tiles, last: Held) -> Callable[[], None]:
+        """What sets EPOCH and KEEP of tiles whose light is kept, once all are chosen.
 
-        last: tiles of one frame ago, nothing where that was not rendered.
+        last: tiles of one frame ago, none where nothing is held.
         """
-        if self._tolerance == 0 or len({pose.number for pose in self._window}) < 2:
-            return range(self._now.frame, self._now.frame + 1), lambda: None
+        if not self.differ:
+            return lambda: None
         if tiles.fitted:  # they are only when what is seen is known
-            return self._frames(), lambda: self._following(tiles, last)()
-        return self._frames(), self._following(tiles, last)
+            return lambda: self._following(tiles, last)()
+        return self._following(tiles, last)
 
     def _following(self, tiles: Tiles, last: Held) -> Callable[[], None]:
-        layout, launcher, road = tiles.layout, self._now.launcher, self._now.sequence.scene.road
+        layout, launcher, now = tiles.layout, self._now.launcher, self._now.frame
+        road, known = self._now.sequence.scene.road, self._poses.values()
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
-        whole = np.array([self._whole(frame, layout.segments) for frame in self._frames()])
-        # What had the number of a wire's or a post's chart then was another one.
-        whole &= placed(layout.segments, self._roads(self._now.frame).segments) >= 0
         inputs = [
-            self.oldest,
+            now,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.lent(np.array([pose.eye for pose in self._window]), wp.vec3d),
-            launcher.lent(np.array([pose.direction for pose in self._window], np.float32), wp.vec3),
-            launcher.lent(whole, wp.bool),
+            launcher.lent(np.array([pose.eye for pose in known]), wp.vec3d),
+            launcher.lent(np.array([pose.direction for pose in known], np.float32), wp.vec3),
+            launcher.lent(self._states(layout.segments), wp.int32),
             road.width,
             launcher.lent(rows.targets, wp.vec4i),
             launcher.lent(rows.places, wp.vec2d),
@@ -126,27 +116,17 @@ class Epochs:
 
         return find
 
-    def _frames(self) -> range:
-        return range(self.oldest, self._now.frame + 1)
+    def _states(self, segments: NDArray[np.int64]) -> Ints:
+        """What targets are of, now and one frame ago (see `follow`)."""
+        now, before = (self._road(frame) for frame in (self._now.frame, self._now.frame - 1))
+        states = np.where(placed(segments, before.whole) >= 0, WHOLE, CUT)
+        # What had the number of a wire's or a post's chart then was another one.
+        return np.where(placed(segments, now.segments) >= 0, states, OTHER).astype(np.int32)
 
-    def _whole(self, frame: int, segments: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Of each of some targets, whether a frame draws its segment of the road to both ends."""
-        known = self._wholes.get(frame)
-        if known is None or known[0] is not segments:
-            known = self._wholes[frame] = segments, placed(segments, self._roads(frame).whole) >= 0
-        return known[1]
-
-    def _roads(self, frame: int) -> "Roads":
-        if frame not in self._drawn:
-            mesh = self.shot(frame).mesh
-            road = ~mesh.loose
-            segments, first = charts_in(mesh.segments[road])
-            v = mesh.uv[mesh.triangles[road], 1]
-            whole = np.minimum.reduceat(v.min(axis=1), first) == 0.0
-            whole &= np.maximum.reduceat(v.max(axis=1), first) == 1.0
-            whole &= np.minimum.reduceat(mesh.facing[road], first)
-            self._drawn[frame] = Roads(segments, segments[whole])
-        return self._drawn[frame]
+    def _road(self, frame: int) -> "Roads":
+        if frame not in self._roads:
+            self._roads[frame] = Roads.of(self._now.at(frame).mesh)
+        return self._roads[frame]
 
 
 class Roads(NamedTuple):
@@ -155,6 +135,17 @@ class Roads(NamedTuple):
 
     segments: NDArray[np.int64]
     whole: NDArray[np.int64]
+
+    @staticmethod
+    def of(mesh: Mesh) -> "Roads":
+        """Of the frame's mesh."""
+        road = ~mesh.loose
+        segments, first = charts_in(mesh.segments[road])
+        v = mesh.uv[mesh.triangles[road], 1]
+        whole = np.minimum.reduceat(v.min(axis=1), first) == 0.0
+        whole &= np.maximum.reduceat(v.max(axis=1), first) == 1.0
+        whole &= np.minimum.reduceat(mesh.facing[road], first)
+        return Roads(segments, segments[whole])
 
 
 class Rows(NamedTuple):

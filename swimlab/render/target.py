@@ -1,6 +1,6 @@
 """Targets of texture-space lighting: a segment of the road drawn with atlas coordinates as positions, and lit."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher, OnRows
 from metrics.kernels.shared import Shared
-from swimlab.render.atlas import Jobs, LightFrames, Lit, Tiles
+from swimlab.render.atlas import Jobs, Light, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, choose_levels
@@ -134,24 +134,21 @@ class Lighting:
     def __init__(self, shot: Shot, ways: "Ways") -> None:
         self.shot, self._ways, self._charts = shot, ways, charts_of(shot)
 
-    def drawn(self, tiles: Tiles) -> Drawn:
-        """The charts that this frame draws in targets."""
-        return self._charts.drawn(tiles)
+    def light(self, tiles: Tiles, oldest: int, poses: Sequence[int]) -> Light:
+        """How it lights tiles. oldest, poses: see Light."""
+        size = self.shot.material.size
+        return Light(oldest, poses, self._drawn(tiles).widened, size[0] == size[1], max(size))
 
     def laid_out(self, way: int, tiles: Tiles, texels: Any) -> OnRows:
         """What lights jobs in a way, given as a range, where the pages say, but for coarse levels."""
-        (kernel, chain), drawn = self._ways.of(way), self.drawn(tiles)
+        (kernel, chain), drawn = self._ways.of(way), self._drawn(tiles)
         inputs = [tiles.jobs.device, tiles.order.device, tiles.kept.device, tiles.atlas, drawn.ranges]
         inputs += [drawn.triangles.edges, drawn.triangles.planes]
         inputs += [chain.texels, chain.shape, self.shot.sun, texels, tiles.lit.device]
         return self.shot.launcher.laid_out(len(tiles.need.host), kernel, (), inputs)
 
-
-def light_frames(lightings: Sequence[Lighting], poses: Sequence[int], tiles: Tiles) -> LightFrames:
-    """The frames whose light tiles may have. lightings: of each. poses: see LightFrames."""
-    first = lightings[0].shot
-    widened, size = [each.drawn(tiles).widened for each in lightings], first.material.size
-    return LightFrames(first.frame, poses, widened, size[0] == size[1], max(size))
+    def _drawn(self, tiles: Tiles) -> Drawn:
+        return self._charts.drawn(tiles)
 
 
 class Ways:
@@ -197,27 +194,29 @@ class Painting:
     """
 
     def __init__(
-        self, screen: Screen, tiles: Tiles, texels: Any, lightings: Mapping[int, Lighting], likely: Iterable[Lit] = ()
+        self, screen: Screen, tiles: Tiles, texels: Any, lighting: Lighting, likely: Iterable[int] = ()
     ) -> None:
-        """lightings: of the frames whose light there may be. likely: how jobs may be lit, to be laid out now; what else
-        turns out to be lit is laid out then."""
+        """likely: ways in which jobs may be lit, to be laid out now; others are when there turn out to be some."""
         shot = screen.shot
         self._launcher, height = shot.launcher, shot.view.height
-        self._tiles, self._lightings, self.texels = tiles, lightings, texels
-        self._lights = {lit: self._light(lit) for lit in likely if lit.frame in lightings}
+        self._tiles, self._lighting, self.texels = tiles, lighting, texels
+        self._ways = {way: self._way(way) for way in likely}
         targets, inputs = len(tiles.segments), [tiles.atlas, tiles.finest.device, texels]
         self._reduce = self._launcher.laid_out(targets, reduce_coarse, (), inputs, strip=MANY_TARGETS)
         self._picture = self._launcher.unset((height, shot.view.width), wp.vec4)
         inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, self._picture]
         self._paste = self._launcher.laid_out(height, screen.paste, (), inputs)
 
-    def _light(self, lit: Lit) -> OnRows:
-        return self._lightings[lit.frame].laid_out(lit.way, self._tiles, self.texels)
+    def _way(self, way: int) -> OnRows:
+        return self._lighting.laid_out(way, self._tiles, self.texels)
 
-    def picture(self, jobs: Jobs) -> Any:
-        """The picture [H, W] on the device."""
-        for lit, rows in jobs.by_light.items():
-            (self._lights.get(lit) or self._light(lit))(rows)
+    def light(self, jobs: Jobs) -> None:
+        """Make the light of now."""
+        for way, rows in jobs.by_way.items():
+            (self._ways.get(way) or self._way(way))(rows)
         self._reduce()
+
+    def picture(self) -> Any:
+        """The picture [H, W] on the device, when there is light."""
         self._paste()
         return self._picture

@@ -16,7 +16,7 @@ from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Ways, light_frames
+from swimlab.render.target import Lighting, Ways
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import COLOUR, Image, png, write_channels
@@ -69,9 +69,9 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     table[SHADE, mine] = table[KEEP, mine] = levels
     table[KEEP, mine.start - 1] = 0
     shown.finest.fill(0)
-    jobs = pool.placing(shown, light_frames([lighting], [0], shown), Held.nothing(launcher))()
-    for lit, rows in jobs.by_light.items():
-        lighting.laid_out(lit.way, shown, pool.texels)(rows)
+    jobs = pool.placing(shown, lighting.light(shown, frame, [0]), Held.nothing(launcher))()
+    for way, rows in jobs.by_way.items():
+        lighting.laid_out(way, shown, pool.texels)(rows)
     texels, start = pool.texels.numpy(), table[START]
     across, tile_level = int(layout.across[target]), int(layout.tile_levels[target])
     out = np.zeros((across, across, 1 << tile_level, 1 << tile_level, 4), np.float32)

@@ -2,9 +2,12 @@
 
 import warp as wp
 
-from swimlab.render.kernels.placing import EPOCH, SHADE
+from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE
 from swimlab.render.kernels.shading import half_vector
 from swimlab.render.kernels.texture_space import NEVER
+
+OTHER, CUT, WHOLE = range(3)
+"""What a target is of: no segment of the road, or one that was not drawn to both ends one frame ago, or was."""
 
 wp.set_module_options({"enable_backward": False})
 
@@ -18,12 +21,12 @@ def half_at(place: wp.vec3d, eye: wp.vec3d, light: wp.vec3) -> wp.vec3:
 @wp.kernel
 def follow(
     first_row: wp.int32,
-    oldest: wp.int32,
+    frame: wp.int32,
     steepness: wp.float32,
     tolerance: wp.float32,
     eyes: wp.array(dtype=wp.vec3d),
     lights: wp.array(dtype=wp.vec3),
-    whole: wp.array2d(dtype=wp.bool),
+    states: wp.array(dtype=wp.int32),
     width: wp.float64,
     rows: wp.array(dtype=wp.vec4i),
     places: wp.array(dtype=wp.vec2d),
@@ -31,38 +34,36 @@ def follow(
     now: wp.array2d(dtype=wp.int32),
     last: wp.array2d(dtype=wp.int32),
 ):
-    """Fill EPOCH of the tiles that are shaded, one thread a row of tiles.
+    """Set EPOCH and KEEP of the tiles whose light is kept, one thread a row of tiles.
 
-    Frames are counted from `oldest` on in eyes, lights (directions towards the sun) and whole, [frames, targets].
-    width: m, of the road. rows: of each row its target, its first entry, how many tiles it has and which row it is.
-    places: y and z (m) of its tiles' middles. before: its first entry in `last`, or -1.
+    eyes, lights: where the eye was and the direction towards the sun, of all frames whose light may be kept, up to
+    `frame`. states: of each target. width: m, of the road. rows: of each row its target, its first entry, how many
+    tiles it has and which row it is. places: y and z (m) of its tiles' middles. before: its first entry in `last`, or
+    -1.
 
-    A tile's light is made anew in turn. Between, a frame renews it where it was not of a whole target, or has changed
-    by more than the tolerance: steepness times the turn of the half vector, or the turn of the sun.
+    A tile's light is kept while it is read at the same level, its turn has not come, and it has not changed by more
+    than the tolerance: steepness times the turn of the half vector, or the turn of the sun.
     """
     k = first_row + wp.tid()
     row = rows[k]
+    state = states[row[0]]
     frames = eyes.shape[0]
+    if before[k] < 0 or state == OTHER:
+        return
     for i in range(row[2]):
-        if now[SHADE, row[1] + i] != NEVER:
-            # Frames since the tile's turn: less than all, as remainders are where that is negative.
-            turn = (oldest + frames - 1 - i - 3 * row[3]) % frames
-            if turn < 0:
-                turn += frames
-            epoch = frames - 1 - turn
-            asked = epoch + 1
-            if before[k] >= 0:
-                was_of = last[EPOCH, before[k] + i] - oldest
-                if last[SHADE, before[k] + i] != NEVER and was_of >= epoch:
-                    epoch = was_of
-                    asked = frames - 1
+        entry = row[1] + i
+        was = before[k] + i
+        epoch = last[EPOCH, was]
+        keeps = (
+            now[SHADE, entry] != NEVER and last[SHADE, was] == now[SHADE, entry] and last[KEEP, was] <= now[KEEP, entry]
+        )
+        keeps = keeps and (frame - i - 3 * row[3]) % frames != 0 and (state == WHOLE or epoch < frame - 1)
+        if keeps:
+            age = frame - epoch
             u = (wp.float64(i) + wp.float64(0.5)) / wp.float64(row[2])
             place = wp.vec3d((u - wp.float64(0.5)) * width, places[k][0], places[k][1])
-            was = half_at(place, eyes[epoch], lights[epoch])
-            for frame in range(asked, frames):
-                now_half = half_at(place, eyes[frame], lights[frame])
-                change = wp.max(steepness * wp.length(now_half - was), wp.length(lights[frame] - lights[epoch]))
-                if not whole[epoch, row[0]] or change > tolerance:
-                    epoch = wp.int32(frame)
-                    was = now_half
-            now[EPOCH, row[1] + i] = oldest + epoch
+            then, present = lights[frames - 1 - age], lights[frames - 1]
+            turn = half_at(place, eyes[frames - 1], present) - half_at(place, eyes[frames - 1 - age], then)
+            if wp.max(steepness * wp.length(turn), wp.length(present - then)) <= tolerance:
+                now[EPOCH, entry] = epoch
+                now[KEEP, entry] = last[KEEP, was]

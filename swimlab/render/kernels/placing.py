@@ -8,12 +8,13 @@ import warp as wp
 from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 
-SHADE, KEEP, EPOCH, POSE, START, ANEW = range(6)
-"""Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level to keep of it,
-NEVER for none. EPOCH: the frame whose light it is. POSE: a number of where eye and sun were. START: the first texel of
-its block in the pool. ANEW: the level to shade it at now, NEVER where it is held.
+SHADE, KEEP, EPOCH, POSE, HELD, START, ANEW = range(7)
+"""Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level that is wanted
+of its light, NEVER for none. EPOCH: the frame whose light it is. POSE: a number of where eye and sun were. HELD: the
+finest level that its block has, NEVER for none. START: the block's first texel in the pool. ANEW: the level to shade it
+at now, NEVER where its light is held.
 """
-ROWS = 6
+ROWS = 7
 
 NEEDED, VISIBLE, ALL = range(3)
 """What is shaded: tiles that are read, at the level they are read at; these at level 0; all."""
@@ -63,7 +64,7 @@ def choose_levels(
     counts: wp.array(dtype=wp.int32),
 ):
     """Fill SHADE and KEEP from the finest level that is read of each tile; `finest` receives that of each target.
-    EPOCH is the frame.
+    EPOCH is the frame, and HELD says NEVER.
 
     seen: which charts are in sight. narrowest: the least extent in u or v of the triangles of each chart. charts: of
     each target, -1 for none. shapes: as in Atlas. counts: receives how many charts are in sight, and how many of them
@@ -99,6 +100,7 @@ def choose_levels(
             table[KEEP, entry] = keep
             table[SHADE, entry] = shade
             table[EPOCH, entry] = frame
+            table[HELD, entry] = NEVER
         table[KEEP, first - 1] = 0
         table[SHADE, first - 1] = NEVER
         table[EPOCH, first - 1] = frame
@@ -158,7 +160,7 @@ def is_held(
     if coarse:
         return True
     same = last[SHADE, was] == now[SHADE, entry] and last[POSE, was] == now[POSE, entry]
-    return same and last[KEEP, was] <= now[KEEP, entry]
+    return same and last[HELD, was] <= now[KEEP, entry]
 
 
 @wp.func
@@ -177,7 +179,7 @@ def hold_tiles(
     count: wp.array(dtype=wp.int32),
     end: wp.array(dtype=wp.int64),
 ):
-    """Fill POSE, START and ANEW: blocks of what is lost are given back, and others taken for what is new.
+    """Fill POSE, HELD, START and ANEW: blocks of what is lost are given back, and others taken for what is new.
 
     finest: as `choose_levels` leaves it; of targets out of sight only coarse levels are looked at. pages: receives
     where kernels find blocks, the `table` of Pages. poses: of frames from `oldest` on. before: of each target its place
@@ -195,14 +197,14 @@ def hold_tiles(
         k = after[j]
         for i in range(-1, tiles_in(last_shapes, j)):
             was = last_shapes[j][3] + i
-            if last[KEEP, was] != NEVER:
+            if last[HELD, was] != NEVER:
                 lost = k < 0
                 if not lost:
                     lost = shapes[k][0] != last_shapes[j][0]
                 if not lost:
                     lost = not is_held(now, shapes[k][3] + i, last, was, i < 0)
                 if lost:
-                    kind = kind_of(last_shapes[j][0], last_shapes[j][2], i < 0, last[KEEP, was])
+                    kind = kind_of(last_shapes[j][0], last_shapes[j][2], i < 0, last[HELD, was])
                     free[kind, count[kind]] = last[START, was]
                     count[kind] += 1
     for k in range(shapes.shape[0]):
@@ -222,7 +224,7 @@ def hold_tiles(
                 was = last_shapes[j][3] + i
                 held = is_held(now, entry, last, was, i < 0)
                 if held:
-                    keep = last[KEEP, was]
+                    keep = last[HELD, was]
                     anew = wp.int32(NEVER)
                     if keep != NEVER:
                         start = last[START, was]
@@ -234,7 +236,7 @@ def hold_tiles(
                 else:
                     start = wp.int32(end[0])
                     end[0] += size_of(kind)
-            now[KEEP, entry] = keep
+            now[HELD, entry] = keep
             now[START, entry] = start
             now[ANEW, entry] = anew
             # A tile's table says where its level 0 would begin.
@@ -245,11 +247,10 @@ def hold_tiles(
 
 @wp.func
 def way_of(
-    widened: wp.array2d(dtype=wp.bool),
+    widened: wp.array(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
     shapes: wp.array(dtype=wp.vec4i),
-    epoch: wp.int32,
     target: wp.int32,
     level: wp.int32,
 ) -> wp.int32:
@@ -257,75 +258,69 @@ def way_of(
     roughness."""
     if shapes[target][0] >> level > texels:
         return wp.int32(BETWEEN)
-    return wp.where(square and not widened[epoch, target], wp.int32(ALIGNED), wp.int32(FILTERED))
+    return wp.where(square and not widened[target], wp.int32(ALIGNED), wp.int32(FILTERED))
 
 
 @wp.func
 def order_jobs(
-    oldest: wp.int32,
-    widened: wp.array2d(dtype=wp.bool),
+    widened: wp.array(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
     shapes: wp.array(dtype=wp.vec4i),
     finest: wp.array(dtype=wp.int32),
     table: wp.array2d(dtype=wp.int32),
-    places: wp.array3d(dtype=wp.int32),
+    places: wp.array2d(dtype=wp.int32),
     tiles: wp.array(dtype=wp.int32),
     kept: wp.array(dtype=wp.int32),
     jobs: wp.array2d(dtype=wp.int32),
-    ranges: wp.array2d(dtype=wp.int32),
+    ends: wp.array(dtype=wp.int32),
 ):
-    """Jobs of all tiles to be shaded now, by epoch, way, target and level (see `swimlab.render.kernels.tiles`).
+    """Jobs of all tiles to be shaded now, by way, target and level (see `swimlab.render.kernels.tiles`).
 
-    widened: [epochs, targets], whether a target's chart is. square: whether the maps are as long as wide. texels: of
-    them along their longer side. places: [epochs, targets, LEVELS], scratch. ranges: [epochs, WAYS + 1], the first job
-    of each, and the end.
+    widened: of each target, whether its chart is. square: whether the maps are as long as wide. texels: of them along
+    their longer side. places: [targets, LEVELS], scratch. ends: [WAYS], receives one past the last job of each.
     """
-    for epoch in range(places.shape[0]):
-        for k in range(places.shape[1]):
-            for level in range(LEVELS):
-                places[epoch, k, level] = 0
+    for k in range(places.shape[0]):
+        for level in range(LEVELS):
+            places[k, level] = 0
     for k in range(shapes.shape[0]):
         for entry in range(shapes[k][3], shapes[k][3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
-                places[table[EPOCH, entry] - oldest, k, level] += 1
+                places[k, level] += 1
     placed = wp.int32(0)
     found = wp.int32(0)
-    for epoch in range(places.shape[0]):
-        for way in range(WAYS):
-            ranges[epoch, way] = found
-            for k in range(shapes.shape[0]):
-                for level in range(LEVELS):
-                    wanted = places[epoch, k, level]
-                    if wanted > 0 and way_of(widened, square, texels, shapes, epoch, k, level) == way:
-                        stop = placed + wanted
-                        places[epoch, k, level] = placed
-                        while placed < stop:
-                            together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k][2] + level)), stop - placed)
-                            jobs[found, 0] = k
-                            jobs[found, 1] = level
-                            jobs[found, 2] = placed
-                            jobs[found, 3] = together
-                            found += 1
-                            placed += together
-        ranges[epoch, wp.static(WAYS)] = found
+    for way in range(WAYS):
+        for k in range(shapes.shape[0]):
+            for level in range(LEVELS):
+                wanted = places[k, level]
+                if wanted > 0 and way_of(widened, square, texels, shapes, k, level) == way:
+                    stop = placed + wanted
+                    places[k, level] = placed
+                    while placed < stop:
+                        together = wp.min(1 << (2 * (TILE_LEVEL - shapes[k][2] + level)), stop - placed)
+                        jobs[found, 0] = k
+                        jobs[found, 1] = level
+                        jobs[found, 2] = placed
+                        jobs[found, 3] = together
+                        found += 1
+                        placed += together
+        ends[way] = found
     for k in range(shapes.shape[0]):
         for entry in range(shapes[k][3], shapes[k][3] + tiles_in_sight(shapes, finest, k)):
             level = table[ANEW, entry]
             if level != NEVER:
-                epoch = table[EPOCH, entry] - oldest
-                place = places[epoch, k, level]
-                places[epoch, k, level] = place + 1
+                place = places[k, level]
+                places[k, level] = place + 1
                 tiles[place] = entry
-                kept[place] = table[KEEP, entry]
+                kept[place] = table[HELD, entry]
 
 
 @wp.kernel
 def place_tiles(
     oldest: wp.int32,
     poses: wp.array(dtype=wp.int32),
-    widened: wp.array2d(dtype=wp.bool),
+    widened: wp.array(dtype=wp.bool),
     square: wp.bool,
     texels: wp.int32,
     shapes: wp.array(dtype=wp.vec4i),
@@ -339,12 +334,12 @@ def place_tiles(
     free: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     end: wp.array(dtype=wp.int64),
-    places: wp.array3d(dtype=wp.int32),
+    places: wp.array2d(dtype=wp.int32),
     tiles: wp.array(dtype=wp.int32),
     kept: wp.array(dtype=wp.int32),
     jobs: wp.array2d(dtype=wp.int32),
-    ranges: wp.array2d(dtype=wp.int32),
+    ends: wp.array(dtype=wp.int32),
 ):
     """Hold tiles, and put what is to be shaded in order."""
     hold_tiles(oldest, poses, shapes, finest, before, now, pages, last_shapes, after, last, free, count, end)
-    order_jobs(oldest, widened, square, texels, shapes, finest, now, places, tiles, kept, jobs, ranges)
+    order_jobs(widened, square, texels, shapes, finest, now, places, tiles, kept, jobs, ends)

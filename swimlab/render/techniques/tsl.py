@@ -9,23 +9,23 @@ from frame to frame.
 
 from collections.abc import Callable
 from functools import partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from metrics.kernels.launch import Launcher
-from swimlab.render.atlas import Held, Lit, Pool, Shelf, Tiles
+from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.charts import charts_of
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.placing import ALL, LEAST_WIDTH, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
 from swimlab.render.layout import equal_widths
-from swimlab.render.reuse import Epochs, recent
+from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Before, Lighting, Painting, Screen, Ways, lay_out_nothing, light_frames
+from swimlab.render.target import Before, Lighting, Painting, Screen, Ways, lay_out_nothing
 from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -126,57 +126,69 @@ class Targets:
         launcher = shot.launcher
         self._settings, self._plan = settings, Plan(launcher, settings, most_targets(settings))
         self._pool, self._ways = Pool(launcher), Ways(shot, INPUTS[settings.inputs])
-        self._epochs, self._lightings = Epochs(settings.reuse, settings.tolerance), dict[int, Lighting]()
+        self._epochs = Epochs(settings.reuse, settings.tolerance)
         self._held = self._nothing = Held.nothing(launcher)
-        self._usual: list[tuple[int, int]] = []  # ages and ways of the light that the last frame made
+        self._usual: list[int] = []  # ways in which the last frame's light was made
 
     def frame(self, shot: Shot) -> Picture:
         """The shot's picture."""
-        epochs = self._epochs
+        self._epochs.look(shot)
+        if self._held.frame != shot.frame - 1:
+            self._held = self._nothing
+            for frame in range(max(0, self._epochs.oldest), shot.frame) if self._epochs.differ else ():
+                self._light(shot.at(frame))
+        lit = self._light(shot)
+        if lit is None:
+            return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
+        painting, shaded = lit
+        return Picture(to_image(painting.picture()), shaded=shaded)
+
+    def _light(self, shot: Shot) -> "Painted | None":
+        """What paints a shot that follows the one that was lit last, lit, and how many texels were; None where nothing
+        is in sight."""
         # What can be is done before the first kernel, as kernels empty the caches.
-        epochs.look(shot)
-        near = range(epochs.oldest, shot.frame)
-        self._lightings = recent(self._lightings, near)
-        self._lightings[shot.frame] = Lighting(shot, self._ways)
-        paint: Callable[[], Picture] | None = None
+        self._epochs.look(shot)
+        light: Callable[[], Painted] | None = None
 
         def before(tiles: Tiles) -> None:
-            nonlocal paint
-            paint = self._laid_out(shot, tiles)
+            nonlocal light
+            light = self._laid_out(shot, tiles)
 
         self._plan.tiles(shot, before)
-        if paint is None or self._plan.screen.in_sight == 0:
-            return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        return paint()
+        if light is None or self._plan.screen.in_sight == 0:
+            self._held = self._nothing._replace(frame=shot.frame)
+            return None
+        return light()
 
-    def _laid_out(self, shot: Shot, tiles: Tiles) -> Callable[[], Picture]:
-        """What lights tiles once they are marked, and makes the picture. It may be laid out and not run."""
+    def _laid_out(self, shot: Shot, tiles: Tiles) -> Callable[[], "Painted"]:
+        """What lights tiles once they are marked, laid out with what makes the picture. It may not be run."""
         screen, epochs, pool, held = self._plan.screen, self._epochs, self._pool, self._held
-        frames, find = epochs.finding(tiles, held if held.frame == shot.frame - 1 else self._nothing)
-        lightings = {frame: self._lighting(frame) for frame in frames}
-        place = pool.placing(tiles, light_frames([*lightings.values()], epochs.poses(frames), tiles), held)
-        likely = [Lit(shot.frame - age, way) for age, way in self._usual]
-        painting = Painting(screen, tiles, pool.texels, lightings, likely)
+        find, lighting = epochs.finding(tiles, held), Lighting(shot, self._ways)
+        place = pool.placing(tiles, lighting.light(tiles, epochs.oldest, epochs.poses), held)
+        painting = Painting(screen, tiles, pool.texels, lighting, self._usual)
 
-        def paint() -> Picture:
+        def light() -> Painted:
             # Until this is done nothing is known of what is held.
             self._held = self._nothing
             find()
             jobs = place()
             grown = pool.texels is not painting.texels
-            painted = Painting(screen, tiles, pool.texels, lightings) if grown else painting
-            picture = painted.picture(jobs)
-            self._usual = [(shot.frame - lit.frame, lit.way) for lit in jobs.by_light]
+            lit = Painting(screen, tiles, pool.texels, lighting) if grown else painting
+            lit.light(jobs)
+            self._usual = [*jobs.by_way]
+            shaded = tiles.shaded(jobs)
             if self._settings.reuse > 1:
                 self._held = tiles.hold(shot.frame)
-            return Picture(to_image(picture), shaded=tiles.shaded(jobs))
+            return Painted(lit, shaded)
 
-        return paint
+        return light
 
-    def _lighting(self, frame: int) -> Lighting:
-        if frame not in self._lightings:
-            self._lightings[frame] = Lighting(self._epochs.shot(frame), self._ways)
-        return self._lightings[frame]
+
+class Painted(NamedTuple):
+    """What makes a picture of light that is made, of which so many texels were shaded for it."""
+
+    painting: Painting
+    shaded: int
 
 
 def most_targets(settings: TslSettings) -> int:

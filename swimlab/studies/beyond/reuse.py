@@ -8,7 +8,7 @@ import numpy as np
 from swimlab.render.atlas import Held, Pool
 from swimlab.render.kernels.placing import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Painting, Ways, light_frames
+from swimlab.render.target import Lighting, Painting, Ways
 from swimlab.render.technique import Image, to_image
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.studies.page import Cell, Section, Table
@@ -71,8 +71,10 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     pool, before = Pool(shot.launcher), shot.at(shot.frame - 1)
     tiles.table.host[EPOCH] = before.frame
     lighting = Lighting(before, Ways(before, INPUTS[settings.inputs]))
-    jobs = pool.placing(tiles, light_frames([lighting], [0], tiles), Held.nothing(shot.launcher))()
-    return to_image(Painting(screen, tiles, pool.texels, {before.frame: lighting}).picture(jobs))
+    jobs = pool.placing(tiles, lighting.light(tiles, before.frame, [0]), Held.nothing(shot.launcher))()
+    painting = Painting(screen, tiles, pool.texels, lighting)
+    painting.light(jobs)
+    return to_image(painting.picture())
 
 
 def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:

@@ -5,19 +5,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_tiles import tiles_of
 
-from swimlab.render.atlas import Held, LightFrames, Pool
-from swimlab.render.kernels.placing import ALIGNED, ANEW, BETWEEN, EPOCH, FILTERED, KEEP, POSE, SHADE, START
+from swimlab.render.atlas import Held, Light, Pool
+from swimlab.render.kernels.placing import ALIGNED, ANEW, BETWEEN, EPOCH, FILTERED, HELD, KEEP, POSE, SHADE, START
 from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 from swimlab.render.layout import Layout, matched
 
 
-def frames_of(layout, poses, widened=(), square=True, texels=32):
-    """What tiles may be lit as from frame 0 on. widened: (frame, target) of charts that are."""
-    found = np.zeros((len(poses), len(layout.widths)), bool)
-    for frame, target in widened:
-        found[frame, target] = True
-    return LightFrames(0, poses, found, square, texels)
+def light_of(layout, poses, widened=(), square=True, texels=32):
+    """How tiles are lit, of frames from 0 on. widened: targets whose charts are."""
+    return Light(0, poses, np.isin(np.arange(len(layout.widths)), list(widened)), square, texels)
 
 
 def test_blocks_of_targets_that_change_are_given_back(launcher):
@@ -28,7 +25,7 @@ def test_blocks_of_targets_that_change_are_given_back(launcher):
     for frame in range(60):
         tiles = tiles_of(launcher, layouts[frame % 2])
         tiles.table.host[EPOCH] = 0
-        pool.placing(tiles, frames_of(tiles.layout, [7]), last)()
+        pool.placing(tiles, light_of(tiles.layout, [7]), last)()
         ends.append(len(pool.texels))
         last = tiles.hold(frame)
     assert ends[2:] == ends[2:3] * 58
@@ -73,8 +70,8 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
         tiles = tiles_of(launcher, layout, keep, keep)
         table, held = tiles.table.host, last.table.host
         table[EPOCH] = epochs
-        pool.placing(tiles, frames_of(layout, [7, 8]), last)()
-        kept, start, anew = table[KEEP], table[START], table[ANEW]
+        pool.placing(tiles, light_of(layout, [7, 8]), last)()
+        kept, start, anew = table[HELD], table[START], table[ANEW]
         blocks = [(start[k], size_of_block(layout, k, kept[k])) for k in np.flatnonzero(kept != NEVER)]
         begin, size = np.array(sorted((b, s) for b, s in blocks if s) or [(MOST_TEXELS, 0)]).T
         assert (begin[1:] >= (begin + size)[:-1]).all()
@@ -87,9 +84,9 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
             for entry in range(layout.of(target).start, layout.of(target).stop):
                 was = entry - layout.of(target).start + last.layout.of(place).start if place >= 0 else None
                 same = was is not None and all(held[row, was] == table[row, entry] for row in (SHADE, POSE))
-                if same and held[KEEP, was] <= keep[entry]:
+                if same and held[HELD, was] <= keep[entry]:
                     assert anew[entry] == NEVER
-                    assert (kept[entry], start[entry]) == (held[KEEP, was], held[START, was])
+                    assert (kept[entry], start[entry]) == (held[HELD, was], held[START, was])
                 else:
                     assert anew[entry] == keep[entry]
         last = tiles.hold(0)
@@ -97,26 +94,25 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
 
 @settings(derandomize=True, max_examples=40, deadline=None)
 @given(frames=clips(), square=st.booleans(), texels=st.sampled_from([8, 32]), widened=st.sets(st.integers(0, 1)))
-def test_each_tile_is_in_one_job_of_its_own_light(launcher, frames, square, texels, widened):
-    """Jobs are of one frame, way, target and level each, and no larger than a whole tile."""
-    layout, keep, epochs = frames[0]
+def test_each_tile_is_in_one_job(launcher, frames, square, texels, widened):
+    """Jobs are of one way, target and level each, and no larger than a whole tile."""
+    layout, keep, _ = frames[0]
     tiles = tiles_of(launcher, layout, keep, keep)
     table = tiles.table.host
-    table[EPOCH] = epochs
-    given = frames_of(layout, [0, 1], {(frame, 0) for frame in widened}, square, texels)
+    table[EPOCH] = 0
+    given = light_of(layout, [0], widened, square, texels)
     jobs = Pool(launcher).placing(tiles, given, Held.nothing(launcher))()
     order, done = tiles.order.host, []
-    for (frame, way), rows in jobs.by_light.items():
+    for way, rows in jobs.by_way.items():
         for target, level, first, count in tiles.jobs.host[rows.start : rows.stop].tolist():
             mine = order[first : first + count]
             done += mine.tolist()
-            fits = square and not (target == 0 and frame in widened)
+            fits = square and target not in widened
             assert way == (BETWEEN if layout.widths[target] >> level > texels else ALIGNED if fits else FILTERED)
             assert count << 2 * (layout.tile_levels[target] - level) <= 4**TILE_LEVEL
             assert (np.searchsorted(layout.firsts - 1, mine, side="right") - 1 == target).all()
             assert (table[ANEW, mine] == level).all()
-            assert (table[EPOCH, mine] == frame).all()
             assert np.array_equal(tiles.kept.host[first : first + count], keep[mine])
     of_tiles = np.setdiff1d(np.flatnonzero(keep != NEVER), layout.firsts - 1)
     assert sorted(done) == of_tiles.tolist()
-    assert jobs.total == sum(map(len, jobs.by_light.values()))
+    assert jobs.total == sum(map(len, jobs.by_way.values()))
