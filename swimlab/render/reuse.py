@@ -47,7 +47,7 @@ class Epochs:
         self._now = shot
         self._roads = {frame: road for frame, road in self._roads.items() if shot.frame - frame in (0, 1)}
         known, self._poses = self._poses, {}
-        for frame in range(self.oldest, shot.frame + 1):
+        for frame in range(self.oldest, shot.frame + 1) if self._reuse > 1 else ():
             self._poses[frame] = known.get(frame) or self._pose(frame)
 
     @property
@@ -58,7 +58,7 @@ class Epochs:
     @property
     def poses(self) -> list[int]:
         """A number of each frame from the oldest up to now, the same where eye and sun have been the same."""
-        return [pose.number for pose in self._poses.values()]
+        return [pose.number for pose in self._poses.values()] or [0]
 
     @property
     def differ(self) -> bool:

@@ -209,7 +209,7 @@ def remembering() -> Render:
 
 
 def render(shot: Shot, settings: TslSettings) -> Picture:
-    """One frame by itself."""
+    """One frame by itself, after those whose light it may keep."""
     return Targets(shot, settings).frame(shot)
 
 
