@@ -1,7 +1,7 @@
 """Tiles made by hand, for tests of what is done with them."""
 
 from swimlab.render.atlas import Tiles
-from swimlab.render.kernels.placing import KEEP, SHADE
+from swimlab.render.kernels.tile_table import KEEP, SHADE
 
 
 def tiles_of(launcher, layout, shade=0, keep=0):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Tiles
-from swimlab.render.kernels.placing import LEAST_WIDTH
+from swimlab.render.kernels.choosing import LEAST_WIDTH
 from swimlab.render.layout import Ints, Layout, placed
 from swimlab.render.mesh import Doubles, Mesh, charts_in
 from swimlab.render.shot import Kept, Shot

@@ -12,7 +12,8 @@ from metrics.kernels.shared import Shared
 from swimlab.render.atlas import Jobs, Light, Tiles
 from swimlab.render.charts import Charts, Drawn, charts_of
 from swimlab.render.inputs import BOX, Inputs
-from swimlab.render.kernels.placing import ALIGNED, BETWEEN, choose_levels
+from swimlab.render.kernels.choosing import choose_levels
+from swimlab.render.kernels.placing import ALIGNED, BETWEEN
 from swimlab.render.kernels.target_filter import aligned, paged
 from swimlab.render.kernels.texture_filter import ISOTROPIC
 from swimlab.render.kernels.texture_space import NEVER, marking, paste_with, read_with
@@ -45,7 +46,7 @@ class Screen:
     """
 
     def __init__(self, launcher: Launcher, anisotropy: int, shading: int, most: int = 0) -> None:
-        """anisotropy: most probes of a footprint when light is pasted. shading: what is shaded (see `placing`).
+        """anisotropy: most probes of a footprint when light is pasted. shading: what is shaded (see `swimlab.render.kernels.choosing`).
 
         most: targets, unless more are in sight.
         """

@@ -11,8 +11,8 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Held, Pool, Tiles
 from swimlab.render.catalogue import model_of
 from swimlab.render.inputs import Inputs
-from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE, START
 from swimlab.render.kernels.texture_space import NEVER, normal_as_colour
+from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE, START
 from swimlab.render.material import load_material
 from swimlab.render.plan import Plan
 from swimlab.render.shot import Shot

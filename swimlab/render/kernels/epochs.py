@@ -2,9 +2,9 @@
 
 import warp as wp
 
-from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE
 from swimlab.render.kernels.shading import half_vector
 from swimlab.render.kernels.texture_space import NEVER
+from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE
 
 OTHER, CUT, WHOLE = range(3)
 """What a target is of: no segment of the road, or one that was not drawn to both ends one frame ago, or was."""

@@ -19,7 +19,7 @@ from metrics.kernels.launch import Launcher
 from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.charts import charts_of
 from swimlab.render.inputs import BOX
-from swimlab.render.kernels.placing import ALL, LEAST_WIDTH, NEEDED, VISIBLE
+from swimlab.render.kernels.choosing import ALL, LEAST_WIDTH, NEEDED, VISIBLE
 from swimlab.render.kernels.tiles import TILE_LEVEL
 from swimlab.render.layout import equal_widths
 from swimlab.render.reuse import Epochs

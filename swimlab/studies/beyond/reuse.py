@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from swimlab.render.atlas import Held, Pool
-from swimlab.render.kernels.placing import EPOCH
+from swimlab.render.kernels.tile_table import EPOCH
 from swimlab.render.shot import Shot
 from swimlab.render.target import Lighting, Painting, Ways
 from swimlab.render.technique import Image, to_image

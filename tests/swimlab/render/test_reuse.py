@@ -13,7 +13,7 @@ from swimlab.render import atlas
 from swimlab.render import target as screen
 from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.placing import EPOCH, KEEP, SHADE
+from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE
 from swimlab.render.layout import Layout
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
