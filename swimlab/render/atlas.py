@@ -12,8 +12,7 @@ from metrics.kernels.shared import Shared
 from swimlab.render.kernels.choosing import fit_targets
 from swimlab.render.kernels.placing import KINDS, WAYS, place_tiles
 from swimlab.render.kernels.texture_space import Atlas
-from swimlab.render.kernels.tile_table import LEVELS, ROWS
-from swimlab.render.kernels.tiles import MOST_TEXELS
+from swimlab.render.kernels.tile_table import LEVELS, MOST_TEXELS, ROWS
 from swimlab.render.layout import Ints, Layout, matched
 from swimlab.runs.record import RunError
 
@@ -26,8 +25,8 @@ class Tiles:
 
     segments: [n], the charts that have a target, rising. shapes: [n], as in Atlas. need: [entries], the finest level
     that is read of each tile, NEVER for none. finest: [n], that of each target. table: [ROWS, entries] (see
-    `swimlab.render.kernels.tile_table`). pages: [entries], the `table` of Pages. atlas: as kernels take them. everywhere,
-    nowhere: [n], each target's own place, and -1. fitted: whether the layout is another one in each frame.
+    `swimlab.render.kernels.tile_table`). pages: [entries], the `table` of Pages. atlas: as kernels take them.
+    everywhere, nowhere: [n], each target's own place, and -1. fitted: whether the layout is another one in each frame.
 
     Tiles to be shaded, as `light_tiles` takes them: jobs, [entries, 4], of which so many are set; order and kept,
     [entries], its `tiles` and `kept`; lit, [entries], the texels of each job.

@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.kernels.tile_table import TILE_LEVEL
 
 Ints = NDArray[np.int32]
 

@@ -46,9 +46,8 @@ class Screen:
     """
 
     def __init__(self, launcher: Launcher, anisotropy: int, shading: int, most: int = 0) -> None:
-        """anisotropy: most probes of a footprint when light is pasted. shading: what is shaded (see `swimlab.render.kernels.choosing`).
-
-        most: targets, unless more are in sight.
+        """anisotropy: most probes of a footprint when light is pasted. shading: what is shaded (see
+        `swimlab.render.kernels.choosing`). most: targets, unless more are in sight.
         """
         self._launcher, self._shading, self._most = launcher, shading, most
         self._read = read_with(marking(anisotropy).on(launcher.device))

@@ -3,8 +3,7 @@
 import warp as wp
 
 from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.kernels.tile_table import EPOCH, HELD, KEEP, SHADE, tiles_in
-from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.kernels.tile_table import EPOCH, HELD, KEEP, SHADE, TILE_LEVEL, tiles_in
 
 NEEDED, VISIBLE, ALL = range(3)
 """What is shaded: tiles that are read, at the level they are read at; these at level 0; all."""

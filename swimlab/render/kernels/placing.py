@@ -9,13 +9,14 @@ from swimlab.render.kernels.tile_table import (
     HELD,
     KEEP,
     LEVELS,
+    MOST_TEXELS,
     POSE,
     SHADE,
     START,
+    TILE_LEVEL,
     tiles_in,
     tiles_in_sight,
 )
-from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
 
 KINDS = LEVELS + 9
 """Kinds of blocks, each of one size: a tile's by its levels, coarse levels' by the tiles along their target."""

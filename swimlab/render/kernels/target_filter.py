@@ -5,8 +5,9 @@ import warp as wp
 from metrics.kernels.forms import Twins, form
 from swimlab.render.kernels import sampling
 from swimlab.render.kernels.packet import put_in
+from swimlab.render.kernels.probes import ANISOTROPIC_PROBES
 from swimlab.render.kernels.structs import LANES, TEXELS, Chain, Pages
-from swimlab.render.kernels.texture_filter import AGREES, ANISOTROPIC_PROBES, filter_of, transposed
+from swimlab.render.kernels.texture_filter import AGREES, filter_of, transposed
 
 PAGED = """
     // Of each lane's two levels: size, the block that holds a texel (see `sampling.fetch`), and what the second weighs.

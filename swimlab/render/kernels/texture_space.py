@@ -11,11 +11,11 @@ import warp as wp
 from metrics.kernels.forms import Twins, form
 from metrics.kernels.making import made_once
 from swimlab.render.kernels.packet import PLACES, footprint_of, locate_before, packet_end, rows_of
+from swimlab.render.kernels.probes import ANISOTROPIC_PROBES, LOG2
 from swimlab.render.kernels.raster import see_row
 from swimlab.render.kernels.samples import blanking, gathering
 from swimlab.render.kernels.sampling import LEAST_BLEND, probes_of
 from swimlab.render.kernels.structs import LANES, Edges, Grid, Pages, Planes, Sun
-from swimlab.render.kernels.texture_filter import ANISOTROPIC_PROBES, LOG2
 
 NEVER = 127
 """The level of a tile that nothing reads."""

@@ -3,7 +3,6 @@
 import warp as wp
 
 from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.kernels.tiles import TILE_LEVEL
 
 SHADE, KEEP, EPOCH, POSE, HELD, START, ANEW = range(7)
 """Rows of the table. SHADE: the level at which a tile is shaded, NEVER for none. KEEP: the finest level that is wanted
@@ -12,6 +11,12 @@ finest level that its block has, NEVER for none. START: the block's first texel 
 at now, NEVER where its light is held.
 """
 ROWS = 7
+
+TILE_LEVEL = 5
+"""log2 of the texels along a tile, in targets that are as large."""
+
+MOST_TEXELS = (4 ** (TILE_LEVEL + 1) - 1) // 3
+"""Texels of all levels of a tile."""
 
 LEVELS = TILE_LEVEL + 1
 """Levels of a tile."""

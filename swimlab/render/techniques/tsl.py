@@ -20,7 +20,7 @@ from swimlab.render.atlas import Held, Pool, Shelf, Tiles
 from swimlab.render.charts import charts_of
 from swimlab.render.inputs import BOX
 from swimlab.render.kernels.choosing import ALL, LEAST_WIDTH, NEEDED, VISIBLE
-from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.kernels.tile_table import TILE_LEVEL
 from swimlab.render.layout import equal_widths
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings

@@ -8,8 +8,7 @@ from made_tiles import tiles_of
 from swimlab.render.atlas import Held, Light, Pool
 from swimlab.render.kernels.placing import ALIGNED, BETWEEN, FILTERED
 from swimlab.render.kernels.texture_space import NEVER
-from swimlab.render.kernels.tile_table import ANEW, EPOCH, HELD, POSE, SHADE, START
-from swimlab.render.kernels.tiles import MOST_TEXELS, TILE_LEVEL
+from swimlab.render.kernels.tile_table import ANEW, EPOCH, HELD, MOST_TEXELS, POSE, SHADE, START, TILE_LEVEL
 from swimlab.render.layout import Layout, matched
 
 

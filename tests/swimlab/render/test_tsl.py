@@ -11,7 +11,7 @@ from swimlab.render.atlas import Tiles
 from swimlab.render.charts import charts_of
 from swimlab.render.kernels.packet import PLACES
 from swimlab.render.kernels.texture_space import NEVER, Atlas, marking, pages_of
-from swimlab.render.kernels.tiles import TILE_LEVEL
+from swimlab.render.kernels.tile_table import TILE_LEVEL
 from swimlab.render.layout import Layout, equal_widths
 from swimlab.render.techniques import tsl
 
