@@ -91,9 +91,9 @@ class Tiles:
 
         return fit_all
 
-    def hold(self, frame: int) -> "Held":
-        """What is known of them in a frame. The next one writes to other memory, so that what was held is let go."""
-        held = Held(frame, self.layout, self.shapes, self.table)
+    def hold(self) -> "Held":
+        """What is known of them now. The next frame writes to other memory, so that what was held is let go."""
+        held = Held(self.layout, self.shapes, self.table)
         others = self._sides[1:] or [self._side(held.layout)]
         self._sides = [*others, self._sides[0]]  # at once, or an interrupt might leave the same one twice
         return held
@@ -119,15 +119,15 @@ class Shelf:
 
 
 class Light(NamedTuple):
-    """How the light of now is made, and told from what is held.
+    """How the light of a frame is made, and told from what is held.
 
-    poses: of each frame whose light may be held, up to now, a number of where eye and sun were; oldest: the first of
-    these frames. widened: [targets], whether their charts are. square: whether the maps are as long as wide. texels:
-    of them along their longer side.
+    numbers: of each frame whose light may be held, up to this one, a number of where eye and sun were. widened:
+    [targets], whether their charts are. square: whether the maps are as long as wide. texels: of them along their
+    longer side.
     """
 
-    oldest: int
-    poses: Sequence[int]
+    frame: int
+    numbers: Sequence[int]
     widened: NDArray[np.bool_]
     square: bool
     texels: int
@@ -147,21 +147,17 @@ class Jobs(NamedTuple):
 
 
 class Held(NamedTuple):
-    """The tiles of a frame, whose blocks the pool has, and their table, to which nothing else is written.
+    """The tiles of a frame, whose blocks the pool has, and their table, to which nothing else is written."""
 
-    frame: None for none.
-    """
-
-    frame: int | None
     layout: Layout
     shapes: Shared
     table: Shared
 
     @staticmethod
     def nothing(launcher: Launcher) -> "Held":
-        """No tiles, of no frame."""
+        """No tiles."""
         layout = Layout(np.zeros(0, np.int64), np.zeros(0, np.int32))
-        return Held(None, layout, launcher.shared((0,), wp.vec4i), launcher.shared((ROWS, 0), wp.int32))
+        return Held(layout, launcher.shared((0,), wp.vec4i), launcher.shared((ROWS, 0), wp.int32))
 
     def matched(self, tiles: Tiles) -> tuple[Any, Any]:
         """Of each target of a frame its place in this one, -1 where it has none; and the other way round."""
@@ -208,12 +204,12 @@ class Pool:
         if entries > 0:
             self._make_room(int(self._count.host.max()) + entries)
         before, after = last.matched(tiles)
-        size = len(light.poses), len(tiles.segments)
+        size = len(light.numbers), len(tiles.segments)
         if size != (len(self._ordering.poses.host), len(self._ordering.widened.host)):
             self._ordering = Ordering.of(launcher, *size)
         poses, widened, places, ends = self._ordering
-        poses.host[:], widened.host[:] = light.poses, light.widened
-        inputs = [light.oldest, poses, widened, light.square, light.texels]
+        poses.host[:], widened.host[:] = light.numbers, light.widened
+        inputs = [light.frame - len(light.numbers) + 1, poses, widened, light.square, light.texels]
         inputs += [tiles.shapes, tiles.finest, before, tiles.table, tiles.pages, last.shapes, after, last.table]
         inputs += [self._free, self._count, self._end, places, tiles.order, tiles.kept, tiles.jobs, ends]
         filled = launcher.on_host(place_tiles, inputs)

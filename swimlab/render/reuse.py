@@ -1,10 +1,11 @@
 """Light that is kept from frame to frame: of which frame the light of a tile is.
 
-Light depends on the eye and on the sun, not on where the camera looks. A tile is lit when it comes into sight, and from
-then on anew in turn, every `reuse` frames, and between these where at its middle the half vector has turned too far for
-the lobe of the maps' highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e) of its peak a
-radian; or where the sun has turned by as much. As every tile has its turn within `reuse` frames, light follows from
-these alone, and a frame that is rendered by itself begins with them.
+Light depends on the eye and on the sun, not on where the camera looks. A tile is lit when it comes into sight, when it
+is shaded at another level or finer ones are wanted of it, where its segment of the road was cut one frame ago; and anew
+in turn, every `reuse` frames. Between these it is lit where at its middle the half vector has turned too far for the
+lobe of the maps' highest power: (N.H)^p is exp(-p angle^2 / 2), which changes by at most sqrt(p/e) of its peak a
+radian; or where the sun has changed by as much. As every tile has its turn within `reuse` frames, its light follows
+from these, and a frame that is rendered by itself begins with them.
 """
 
 from collections.abc import Callable
@@ -24,13 +25,11 @@ from swimlab.render.shot import Kept, Shot
 
 
 class Pose(NamedTuple):
-    """What light depends on. eye: m, in the world. direction, diffuse: of the sun. number: the first of the frames up
-    to this one that are alike, as far as they are known."""
+    """What light depends on. eye: m, in the world. direction, diffuse: of the sun."""
 
     eye: tuple[float, ...]
     direction: tuple[float, ...]
     diffuse: float
-    number: int
 
 
 class Epochs:
@@ -39,6 +38,7 @@ class Epochs:
     def __init__(self, reuse: int, tolerance: float) -> None:
         self._reuse, self._tolerance = reuse, tolerance
         self._poses: dict[int, Pose] = {}
+        self._numbers: dict[Pose, int] = {}
         self._roads: dict[int, Roads] = {}
         self._rows = Kept()
 
@@ -46,9 +46,9 @@ class Epochs:
         """Make `shot` the present, and forget frames that are too old to matter."""
         self._now = shot
         self._roads = {frame: road for frame, road in self._roads.items() if shot.frame - frame in (0, 1)}
-        known, self._poses = self._poses, {}
-        for frame in range(self.oldest, shot.frame + 1) if self._reuse > 1 else ():
-            self._poses[frame] = known.get(frame) or self._pose(frame)
+        frames = range(self.oldest, shot.frame + 1) if self._reuse > 1 else ()
+        self._poses = {frame: self._poses.get(frame) or self._pose(frame) for frame in frames}
+        self._numbers = {pose: self._numbers.get(pose, frame) for frame, pose in self._poses.items()}
 
     @property
     def oldest(self) -> int:
@@ -56,14 +56,14 @@ class Epochs:
         return self._now.frame - self._reuse + 1
 
     @property
-    def poses(self) -> list[int]:
-        """A number of each frame from the oldest up to now, the same where eye and sun have been the same."""
-        return [pose.number for pose in self._poses.values()] or [0]
+    def numbers(self) -> list[int]:
+        """A number of each of these frames, the same where eye and sun are the same; of others no pose has had it."""
+        return [self._numbers[pose] for pose in self._poses.values()] or [0]
 
     @property
     def differ(self) -> bool:
         """Whether it matters of which of these frames light is."""
-        return self._tolerance > 0 and len(set(self.poses)) > 1
+        return self._tolerance > 0 and len(self._numbers) > 1
 
     def _pose(self, frame: int) -> Pose:
         shot = self._now.at(frame)
@@ -73,9 +73,7 @@ class Epochs:
             eye = camera.eye(shot.sequence.scene.road)
             return tuple(eye.tolist()), tuple(light.direction.tolist()), light.diffuse
 
-        pose = shot.kept("pose", (shot.sequence.scene, camera, light), content)
-        before = self._poses.get(frame - 1)
-        return Pose(*pose, before.number if before is not None and before[:3] == pose else frame)
+        return Pose(*shot.kept("pose", (shot.sequence.scene, camera, light), content))
 
     def finding(self, tiles: Tiles, last: Held) -> Callable[[], None]:
         """What sets EPOCH and KEEP of tiles whose light is kept, once all are chosen.
@@ -90,14 +88,14 @@ class Epochs:
 
     def _following(self, tiles: Tiles, last: Held) -> Callable[[], None]:
         layout, launcher, now = tiles.layout, self._now.launcher, self._now.frame
-        road, known = self._now.sequence.scene.road, self._poses.values()
+        road, poses = self._now.sequence.scene.road, self._poses.values()
         rows = self._rows.get("rows", (layout, last.layout), lambda: rows_of(layout, last.layout, road))
         inputs = [
             now,
             sqrt(self._now.material.highest_power / e),
             self._tolerance,
-            launcher.lent(np.array([pose.eye for pose in known]), wp.vec3d),
-            launcher.lent(np.array([pose.direction for pose in known], np.float32), wp.vec3),
+            launcher.lent(np.array([pose.eye for pose in poses]), wp.vec3d),
+            launcher.lent(np.array([(*pose.direction, pose.diffuse) for pose in poses], np.float32), wp.vec4),
             launcher.lent(self._states(layout.segments), wp.int32),
             road.width,
             launcher.lent(rows.targets, wp.vec4i),

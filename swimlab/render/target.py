@@ -134,10 +134,10 @@ class Lighting:
     def __init__(self, shot: Shot, ways: "Ways") -> None:
         self.shot, self._ways, self._charts = shot, ways, charts_of(shot)
 
-    def light(self, tiles: Tiles, oldest: int, poses: Sequence[int]) -> Light:
-        """How it lights tiles. oldest, poses: see Light."""
+    def light(self, tiles: Tiles, numbers: Sequence[int] = (0,)) -> Light:
+        """How it lights tiles. numbers: see Light; by default light of no other frame may be held."""
         size = self.shot.material.size
-        return Light(oldest, poses, self._drawn(tiles).widened, size[0] == size[1], max(size))
+        return Light(self.shot.frame, numbers, self._drawn(tiles).widened, size[0] == size[1], max(size))
 
     def laid_out(self, way: int, tiles: Tiles, texels: Any) -> OnRows:
         """What lights jobs in a way, given as a range, where the pages say, but for coarse levels."""
@@ -187,36 +187,40 @@ class Way(NamedTuple):
     chain: MipChain
 
 
-class Painting:
-    """What paints a frame: tiles are lit and reduced, and the light is the texture. It is laid out for one picture.
+class Relighting:
+    """What lights and reduces the tiles of a frame that are to be shaded, laid out for one frame.
 
     texels: where the light is.
     """
 
-    def __init__(
-        self, screen: Screen, tiles: Tiles, texels: Any, lighting: Lighting, likely: Iterable[int] = ()
-    ) -> None:
+    def __init__(self, tiles: Tiles, texels: Any, lighting: Lighting, likely: Iterable[int] = ()) -> None:
         """likely: ways in which jobs may be lit, to be laid out now; others are when there turn out to be some."""
-        shot = screen.shot
-        self._launcher, height = shot.launcher, shot.view.height
+        launcher, targets = lighting.shot.launcher, len(tiles.segments)
         self._tiles, self._lighting, self.texels = tiles, lighting, texels
         self._ways = {way: self._way(way) for way in likely}
-        targets, inputs = len(tiles.segments), [tiles.atlas, tiles.finest.device, texels]
-        self._reduce = self._launcher.laid_out(targets, reduce_coarse, (), inputs, strip=MANY_TARGETS)
-        self._picture = self._launcher.unset((height, shot.view.width), wp.vec4)
-        inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, self._picture]
-        self._paste = self._launcher.laid_out(height, screen.paste, (), inputs)
+        inputs = [tiles.atlas, tiles.finest.device, texels]
+        self._reduce = launcher.laid_out(targets, reduce_coarse, (), inputs, strip=MANY_TARGETS)
 
     def _way(self, way: int) -> OnRows:
         return self._lighting.laid_out(way, self._tiles, self.texels)
 
-    def light(self, jobs: Jobs) -> None:
+    def __call__(self, jobs: Jobs) -> None:
         """Make the light of now."""
         for way, rows in jobs.by_way.items():
             (self._ways.get(way) or self._way(way))(rows)
         self._reduce()
 
-    def picture(self) -> Any:
-        """The picture [H, W] on the device, when there is light."""
-        self._paste()
-        return self._picture
+
+def pasting(screen: Screen, tiles: Tiles, texels: Any) -> Callable[[], Any]:
+    """What makes the picture, [H, W] on the device, when there is light: the light is the texture."""
+    shot = screen.shot
+    launcher, view = shot.launcher, shot.view
+    picture = launcher.unset((view.height, view.width), wp.vec4)
+    inputs = [screen.grid, screen.visible, shot.triangles.planes, tiles.atlas, texels, shot.sun, picture]
+    paste = launcher.laid_out(view.height, screen.paste, (), inputs)
+
+    def pasted() -> Any:
+        paste()
+        return picture
+
+    return pasted

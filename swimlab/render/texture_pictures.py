@@ -69,7 +69,7 @@ def picture_of(target: int, tiles: Tiles, lighting: Lighting) -> Image:
     table[SHADE, mine] = table[KEEP, mine] = levels
     table[KEEP, mine.start - 1] = 0
     shown.finest.fill(0)
-    jobs = pool.placing(shown, lighting.light(shown, frame, [0]), Held.nothing(launcher))()
+    jobs = pool.placing(shown, lighting.light(shown), Held.nothing(launcher))()
     for way, rows in jobs.by_way.items():
         lighting.laid_out(way, shown, pool.texels)(rows)
     texels, start = pool.texels.numpy(), table[START]

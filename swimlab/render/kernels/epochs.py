@@ -7,15 +7,16 @@ from swimlab.render.kernels.texture_space import NEVER
 from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE
 
 OTHER, CUT, WHOLE = range(3)
-"""What a target is of: no segment of the road, or one that was not drawn to both ends one frame ago, or was."""
+"""What a target is of: no segment of the road, or one that was cut or turned away in part one frame ago, or was
+whole."""
 
 wp.set_module_options({"enable_backward": False})
 
 
 @wp.func
-def half_at(place: wp.vec3d, eye: wp.vec3d, light: wp.vec3) -> wp.vec3:
+def half_at(place: wp.vec3d, eye: wp.vec3d, light: wp.vec4) -> wp.vec3:
     """The half vector at a place, seen from an eye."""
-    return half_vector(light, wp.normalize(wp.vec3(eye - place)))
+    return half_vector(wp.vec3(light[0], light[1], light[2]), wp.normalize(wp.vec3(eye - place)))
 
 
 @wp.kernel
@@ -25,7 +26,7 @@ def follow(
     steepness: wp.float32,
     tolerance: wp.float32,
     eyes: wp.array(dtype=wp.vec3d),
-    lights: wp.array(dtype=wp.vec3),
+    lights: wp.array(dtype=wp.vec4),
     states: wp.array(dtype=wp.int32),
     width: wp.float64,
     rows: wp.array(dtype=wp.vec4i),
@@ -36,13 +37,14 @@ def follow(
 ):
     """Set EPOCH and KEEP of the tiles whose light is kept, one thread a row of tiles.
 
-    eyes, lights: where the eye was and the direction towards the sun, of all frames whose light may be kept, up to
-    `frame`. states: of each target. width: m, of the road. rows: of each row its target, its first entry, how many
-    tiles it has and which row it is. places: y and z (m) of its tiles' middles. before: its first entry in `last`, or
-    -1.
+    eyes, lights: where the eye was, and the direction towards the sun with its diffuse part, of all frames whose light
+    may be kept, up to `frame`. states: of each target. width: m, of the road. rows: of each row its target, its first
+    entry, how many tiles it has and which row it is. places: y and z (m) of its tiles' middles. before: its first entry
+    in `last`, or -1.
 
-    A tile's light is kept while it is read at the same level, its turn has not come, and it has not changed by more
-    than the tolerance: steepness times the turn of the half vector, or the turn of the sun.
+    A tile's light is kept while the tile is shaded at the same level and no finer one is wanted, until its turn, or
+    until it has changed by more than the tolerance: steepness times the turn of the half vector, or the change of the
+    sun.
     """
     k = first_row + wp.tid()
     row = rows[k]

@@ -9,7 +9,7 @@ from frame to frame.
 
 from collections.abc import Callable
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from swimlab.render.layout import equal_widths
 from swimlab.render.reuse import Epochs
 from swimlab.render.settings import Settings
 from swimlab.render.shot import Shot
-from swimlab.render.target import Before, Lighting, Painting, Screen, Ways, lay_out_nothing
+from swimlab.render.target import Before, Lighting, Relighting, Screen, Ways, lay_out_nothing, pasting
 from swimlab.render.technique import Picture, Render, Technique, to_image
 from swimlab.render.techniques import clean, lean, toksvig, vmf
 
@@ -128,67 +128,62 @@ class Targets:
         self._pool, self._ways = Pool(launcher), Ways(shot, INPUTS[settings.inputs])
         self._epochs = Epochs(settings.reuse, settings.tolerance)
         self._held = self._nothing = Held.nothing(launcher)
+        self._done: int | None = None  # the frame whose light is held
         self._usual: list[int] = []  # ways in which the last frame's light was made
 
     def frame(self, shot: Shot) -> Picture:
         """The shot's picture."""
+        last, self._done = self._done, None  # of which nothing is known if a frame fails
         self._epochs.look(shot)
-        if self._held.frame != shot.frame - 1:
-            self._held = self._nothing
-            for frame in range(max(0, self._epochs.oldest), shot.frame) if self._epochs.differ else ():
-                self._light(shot.at(frame))
-        lit = self._light(shot)
-        if lit is None:
-            return Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
-        painting, shaded = lit
-        return Picture(to_image(painting.picture()), shaded=shaded)
+        if self._epochs.differ:
+            if last is None or not self._epochs.oldest <= last < shot.frame:
+                self._held, last = self._nothing, self._epochs.oldest - 1
+            for frame in range(last + 1, shot.frame):
+                self._light(shot.at(frame), paints=False)
+        picture = self._light(shot, paints=True)
+        self._done = shot.frame
+        return picture or Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
 
-    def _light(self, shot: Shot) -> "Painted | None":
-        """What paints a shot that follows the one that was lit last, lit, and how many texels were; None where nothing
-        is in sight."""
+    def _light(self, shot: Shot, *, paints: bool) -> Picture | None:
+        """Light what a shot reads; the picture, if it `paints` one and anything is in sight."""
         # What can be is done before the first kernel, as kernels empty the caches.
         self._epochs.look(shot)
-        light: Callable[[], Painted] | None = None
+        light: Callable[[], Picture | None] | None = None
 
         def before(tiles: Tiles) -> None:
             nonlocal light
-            light = self._laid_out(shot, tiles)
+            light = self._laid_out(shot, tiles, paints=paints)
 
         self._plan.tiles(shot, before)
         if light is None or self._plan.screen.in_sight == 0:
-            self._held = self._nothing._replace(frame=shot.frame)
+            self._held = self._nothing
             return None
         return light()
 
-    def _laid_out(self, shot: Shot, tiles: Tiles) -> Callable[[], "Painted"]:
-        """What lights tiles once they are marked, laid out with what makes the picture. It may not be run."""
+    def _laid_out(self, shot: Shot, tiles: Tiles, *, paints: bool) -> Callable[[], Picture | None]:
+        """What lights tiles once they are marked, and makes the picture if any. It may be that it is not run."""
         screen, epochs, pool, held = self._plan.screen, self._epochs, self._pool, self._held
         find, lighting = epochs.finding(tiles, held), Lighting(shot, self._ways)
-        place = pool.placing(tiles, lighting.light(tiles, epochs.oldest, epochs.poses), held)
-        painting = Painting(screen, tiles, pool.texels, lighting, self._usual)
+        place = pool.placing(tiles, lighting.light(tiles, epochs.numbers), held)
+        relight = Relighting(tiles, pool.texels, lighting, self._usual)
+        paste = pasting(screen, tiles, pool.texels) if paints else None
 
-        def light() -> Painted:
+        def light() -> Picture | None:
+            nonlocal relight, paste
             # Until this is done nothing is known of what is held.
             self._held = self._nothing
             find()
             jobs = place()
-            grown = pool.texels is not painting.texels
-            lit = Painting(screen, tiles, pool.texels, lighting) if grown else painting
-            lit.light(jobs)
+            if pool.texels is not relight.texels:
+                relight = Relighting(tiles, pool.texels, lighting)
+                paste = pasting(screen, tiles, pool.texels) if paints else None
+            relight(jobs)
             self._usual = [*jobs.by_way]
-            shaded = tiles.shaded(jobs)
             if self._settings.reuse > 1:
-                self._held = tiles.hold(shot.frame)
-            return Painted(lit, shaded)
+                self._held = tiles.hold()
+            return paste and Picture(to_image(paste()), shaded=tiles.shaded(jobs))
 
         return light
-
-
-class Painted(NamedTuple):
-    """What makes a picture of light that is made, of which so many texels were shaded for it."""
-
-    painting: Painting
-    shaded: int
 
 
 def most_targets(settings: TslSettings) -> int:

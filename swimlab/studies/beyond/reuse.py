@@ -8,7 +8,7 @@ import numpy as np
 from swimlab.render.atlas import Held, Pool
 from swimlab.render.kernels.tile_table import EPOCH
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Painting, Ways
+from swimlab.render.target import Lighting, Relighting, Ways, pasting
 from swimlab.render.technique import Image, to_image
 from swimlab.render.techniques.tsl import INPUTS, TslSettings, planned_alone
 from swimlab.studies.page import Cell, Section, Table
@@ -74,10 +74,9 @@ def late(shot: Shot, settings: TslSettings) -> Image:
     pool, before = Pool(shot.launcher), shot.at(shot.frame - 1)
     tiles.table.host[EPOCH] = before.frame
     lighting = Lighting(before, Ways(before, INPUTS[settings.inputs]))
-    jobs = pool.placing(tiles, lighting.light(tiles, before.frame, [0]), Held.nothing(shot.launcher))()
-    painting = Painting(screen, tiles, pool.texels, lighting)
-    painting.light(jobs)
-    return to_image(painting.picture())
+    jobs = pool.placing(tiles, lighting.light(tiles), Held.nothing(shot.launcher))()
+    Relighting(tiles, pool.texels, lighting)(jobs)
+    return to_image(pasting(screen, tiles, pool.texels)())
 
 
 def lateness(change: Sequence[Image], drift: Sequence[Image]) -> float | None:

@@ -12,9 +12,9 @@ from swimlab.render.kernels.tile_table import ANEW, EPOCH, HELD, MOST_TEXELS, PO
 from swimlab.render.layout import Layout, matched
 
 
-def light_of(layout, poses, widened=(), square=True, texels=32):
-    """How tiles are lit, of frames from 0 on. widened: targets whose charts are."""
-    return Light(0, poses, np.isin(np.arange(len(layout.widths)), list(widened)), square, texels)
+def light_of(layout, numbers, widened=(), square=True, texels=32):
+    """How tiles are lit in the last of frames from 0 on. widened: targets whose charts are."""
+    return Light(len(numbers) - 1, numbers, np.isin(np.arange(len(layout.widths)), list(widened)), square, texels)
 
 
 def test_blocks_of_targets_that_change_are_given_back(launcher):
@@ -27,7 +27,7 @@ def test_blocks_of_targets_that_change_are_given_back(launcher):
         tiles.table.host[EPOCH] = 0
         pool.placing(tiles, light_of(tiles.layout, [7]), last)()
         ends.append(len(pool.texels))
-        last = tiles.hold(frame)
+        last = tiles.hold()
     assert ends[2:] == ends[2:3] * 58
 
 
@@ -89,7 +89,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
                     assert (kept[entry], start[entry]) == (held[HELD, was], held[START, was])
                 else:
                     assert anew[entry] == keep[entry]
-        last = tiles.hold(0)
+        last = tiles.hold()
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)

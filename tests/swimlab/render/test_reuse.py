@@ -17,7 +17,7 @@ from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE
 from swimlab.render.layout import Layout
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
-from swimlab.render.target import Lighting, Painting, Screen, Ways
+from swimlab.render.target import Lighting, Relighting, Screen, Ways
 from swimlab.render.techniques import tsl
 from swimlab.runs.record import RunError
 
@@ -127,7 +127,7 @@ def ages(shoot, sequence, frames, reuse, tolerance, segments=(2, 3)):
         table[[SHADE, KEEP]], table[EPOCH] = 0, frame
         epochs.finding(tiles, last)()
         found.append(frame - np.concatenate([table[EPOCH, tiles.layout.of(k)] for k in range(len(segments))]))
-        last = tiles.hold(frame)
+        last = tiles.hold()
     return np.array(found)
 
 
@@ -173,7 +173,7 @@ def test_light_of_other_levels_is_not_kept(shoot):
     epochs, (one, two, three) = Epochs(8, 1e9), range(1, 4)
     epochs.look(shot.at(0))
     tiles.table.host[[SHADE, KEEP]], tiles.table.host[EPOCH] = [[1], [2]], 0
-    last = tiles.hold(0)
+    last = tiles.hold()
     table = tiles.table.host
     table[[SHADE, KEEP]], table[EPOCH] = [[1], [2]], 1
     table[SHADE, one], table[KEEP, two], table[KEEP, three] = 0, 1, 3
@@ -215,9 +215,9 @@ FAILING = [
     (Pool, "placing"),
     (Tiles, "hold"),
     (Tiles, "show"),
-    (Painting, "__init__"),
-    (Painting, "light"),
-    (Painting, "picture"),
+    (Relighting, "__init__"),
+    (Relighting, "__call__"),
+    (tsl, "pasting"),
     (Tiles, "shaded"),
     (Lighting, "__init__"),
     (Ways, "of"),
