@@ -31,12 +31,28 @@ def test_blocks_of_targets_that_change_are_given_back(launcher):
     assert ends[2:] == ends[2:3] * 58
 
 
+def test_a_block_that_is_finer_than_wanted_is_given_back_whole(launcher):
+    """What is held of a tile may have more levels than are wanted of it now."""
+    pool, last, ends = Pool(launcher), Held.nothing(launcher), []
+    layout = Layout(np.arange(2), np.array([64, 32], np.int32))
+    for keep, shade in [(0, 0), (2, 0), (NEVER, NEVER)] * 20:
+        tiles = tiles_of(launcher, layout, shade, keep)
+        tiles.table.host[EPOCH] = 0
+        pool.placing(tiles, light_of(layout, [7]), last)()
+        first = layout.of(0).start
+        assert tiles.table.host[HELD, first] == (NEVER if keep == NEVER else 0)
+        ends.append(len(pool.texels))
+        last = tiles.hold()
+    assert ends[1:] == ends[1:2] * 59
+
+
 LEVELS = st.one_of(st.integers(0, TILE_LEVEL), st.just(NEVER))
 
 
 @st.composite
 def clips(draw):
-    """Tiles of some frames: which charts have targets, how large, which levels are kept, and of which light."""
+    """Tiles of some frames: which charts have targets, how large, at which level they are shaded, which levels are
+    wanted, and of which light."""
     frames = []
     for _ in range(draw(st.integers(1, 6))):
         segments = np.array(sorted(draw(st.sets(st.integers(0, 5), min_size=1))))
@@ -46,8 +62,10 @@ def clips(draw):
         owners = np.searchsorted(layout.firsts - 1, np.arange(layout.entries), side="right") - 1
         keep = np.where(keep == NEVER, NEVER, np.minimum(keep, layout.tile_levels[owners]))
         keep[layout.firsts - 1] = 0
+        below = st.lists(st.integers(0, TILE_LEVEL), min_size=layout.entries, max_size=layout.entries)
+        shade = np.where(keep == NEVER, NEVER, np.minimum(keep, draw(below)))
         epochs = draw(st.lists(st.integers(0, 1), min_size=layout.entries, max_size=layout.entries))
-        frames.append((layout, keep, np.array(epochs)))
+        frames.append((layout, shade, keep, np.array(epochs)))
     return frames
 
 
@@ -66,8 +84,8 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
     """Whatever was given back before; all lie within the pool, beyond the texels that are nobody's. What is held of
     the frame before lies where it lay, and all else is to be shaded anew."""
     pool, last = Pool(launcher), Held.nothing(launcher)
-    for layout, keep, epochs in frames:
-        tiles = tiles_of(launcher, layout, keep, keep)
+    for layout, shade, keep, epochs in frames:
+        tiles = tiles_of(launcher, layout, shade, keep)
         table, held = tiles.table.host, last.table.host
         table[EPOCH] = epochs
         pool.placing(tiles, light_of(layout, [7, 8]), last)()
@@ -88,7 +106,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
                     assert anew[entry] == NEVER
                     assert (kept[entry], start[entry]) == (held[HELD, was], held[START, was])
                 else:
-                    assert anew[entry] == keep[entry]
+                    assert (anew[entry], kept[entry]) == (shade[entry], keep[entry])
         last = tiles.hold()
 
 
@@ -96,8 +114,8 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
 @given(frames=clips(), square=st.booleans(), texels=st.sampled_from([8, 32]), widened=st.sets(st.integers(0, 1)))
 def test_each_tile_is_in_one_job(launcher, frames, square, texels, widened):
     """Jobs are of one way, target and level each, and no larger than a whole tile."""
-    layout, keep, _ = frames[0]
-    tiles = tiles_of(launcher, layout, keep, keep)
+    layout, shade, keep, _ = frames[0]
+    tiles = tiles_of(launcher, layout, shade, keep)
     table = tiles.table.host
     table[EPOCH] = 0
     given = light_of(layout, [0], widened, square, texels)

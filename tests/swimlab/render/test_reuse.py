@@ -1,20 +1,21 @@
-"""Light that `tsl` keeps from frame to frame: when it is made anew, and that what was rendered before moves no bit."""
+"""Light that `tsl` keeps from frame to frame: what was rendered before moves no bit, and nothing is lit in vain."""
 
 import sys
 from contextlib import suppress
+from typing import Literal
 
 import numpy as np
 import pytest
-from made_tiles import tiles_of
 
 from metrics.kernels.launch import Launcher
-from sequences import load
+from sequences import View, load
+from sequences.motion import Motion
 from swimlab.render import atlas
 from swimlab.render import target as screen
-from swimlab.render.atlas import Held, Pool, Shelf, Tiles
+from swimlab.render.atlas import Pool, Shelf, Tiles
 from swimlab.render.catalogue import model_of, techniques
-from swimlab.render.kernels.tile_table import EPOCH, KEEP, SHADE
-from swimlab.render.layout import Layout
+from swimlab.render.kernels.texture_space import NEVER
+from swimlab.render.kernels.tile_table import ANEW, EPOCH, SHADE
 from swimlab.render.reuse import Epochs
 from swimlab.render.shot import Shot
 from swimlab.render.target import Lighting, Relighting, Screen, Ways
@@ -116,92 +117,87 @@ def test_less_is_shaded_and_more_is_late_the_more_is_tolerated(shoot, render):
     assert np.all(np.diff(shaded) < 0)
 
 
-def ages(shoot, sequence, frames, reuse, tolerance, segments=(2, 3)):
-    """How old the light of each tile of two targets is, [frames, tiles], where all are read from the first frame on."""
-    first = shoot(sequence, frames[0])
-    tiles = tiles_of(first.launcher, Layout(np.array(segments), np.full(len(segments), 256, np.int32)))
-    epochs, last, found = Epochs(reuse, tolerance), Held.nothing(first.launcher), []
-    for frame in frames:
-        epochs.look(first.at(frame))
-        table = tiles.table.host
-        table[[SHADE, KEEP]], table[EPOCH] = 0, frame
-        epochs.finding(tiles, last)()
-        found.append(frame - np.concatenate([table[EPOCH, tiles.layout.of(k)] for k in range(len(segments))]))
-        last = tiles.hold()
-    return np.array(found)
+class Halting(Motion):
+    """A drive that halts and goes on."""
+
+    kind: Literal["halting"] = "halting"
+
+    def view(self, sequence, t):
+        moved = (0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.4, 1.8, 1.0, 1.0)[min(max(t, 0), 11)]
+        turned = sequence.camera.yaw + 4.0 * (t % 3)
+        camera = sequence.camera.model_copy(update={"distance": moved, "yaw": turned})
+        return View(*sequence.size, (0.0, 0.0), (1.0, 1.0), camera)
 
 
-def test_tiles_take_turns(shoot):
-    """Where everything is tolerated a tile is renewed every N frames, and in each frame as many are."""
-    found = ages(shoot, small("road-drive"), range(12), 4, 1e9)
-    assert (found[0] == 0).all()
-    of_frames = found[4:]
-    assert set(np.unique(of_frames)) == {0, 1, 2, 3}
-    assert ((of_frames == 0).sum(axis=1) == of_frames.shape[1] / 4).all()
-    assert ((of_frames == 0).sum(axis=0) == 2).all()
-    assert np.array_equal(found[1:], np.where(found[1:] == 0, 0, found[:-1] + 1))
+@pytest.mark.parametrize("texels", ["all", "visible", "needed"])
+def test_an_eye_that_halts_changes_no_bit(shoot, render, texels):
+    """What was lit before it halted is told from what was lit since, however the clip is cut."""
+    sequence = small("road-drive").model_copy(update={"motion": Halting()})
+    given = {"size": 128, "texels": texels, "reuse": 4, "tolerance": 1.0}
+    exact = [render(shoot(sequence, frame), "tsl", **given).rgba.tobytes() for frame in range(14)]
+    for frames in (range(14), (11, 7, 8, 9, 10, 11, 12), (9, 2, 3, 6, 10, 13)):
+        pictures = clip(shoot, sequence, frames, **given)
+        assert [picture.rgba.tobytes() for picture in pictures] == [exact[frame] for frame in frames]
 
 
-@pytest.mark.parametrize(("name", "changes"), [("road-sun", {}), ("road-drive", {"motion": FAST})])
-def test_light_is_kept_while_the_lobe_allows(shoot, maps, name, changes):
-    """Tile by tile, frame by frame, and no longer than between two turns."""
-    sequence, frames, tolerance = small(name, **changes), range(10, 24), 0.5
-    road, index = sequence.scene.road, (np.arange(8) + 0.5) / 8
-    v, u = np.meshgrid(np.concatenate([2 + index, 3 + index]), index, indexing="ij")
-    places = np.stack([(u - 0.5) * road.width, v * road.segment, 0 * u], axis=-1).reshape(-1, 3)
+def test_light_of_another_frame_is_held(shoot, monkeypatch):
+    """What is lit anew is lit as of now, so whatever is not of now must be there."""
+    sequence, old = small("road-drive", motion=FAST), 0
+    done = Tiles.hold
 
-    def half(t):
-        view = sequence.view(t).camera.eye(road) - places
-        total = view / np.linalg.norm(view, axis=1, keepdims=True) + sequence.sun(t).direction
-        return total / np.linalg.norm(total, axis=1, keepdims=True)
+    def held(tiles):
+        nonlocal old
+        table = tiles.table.host[:, : tiles.layout.entries]
+        older = (table[EPOCH] != table[EPOCH].max()) & (table[SHADE] != NEVER)
+        assert (table[ANEW][older] == NEVER).all()
+        old += older.sum()
+        return done(tiles)
 
-    steepness = np.sqrt(maps[..., 7].max() / np.e)
-    turns = [frame - ages(shoot, sequence, range(frame - 7, frame + 1), 8, 1e9)[-1] for frame in frames]
-    epoch = np.full(len(places), frames[0])
-    for t, turn, age in zip(frames, turns, ages(shoot, sequence, frames, 8, tolerance), strict=True):
-        then = np.array([half(e)[k] for k, e in enumerate(epoch)])
-        changed = (epoch < turn) | (steepness * np.linalg.norm(half(t) - then, axis=1) > tolerance)
-        epoch[changed] = t
-        assert np.array_equal(age, t - epoch)
-    assert len(np.unique(epoch)) > 2
+    monkeypatch.setattr(Tiles, "hold", held)
+    for changes in ({}, {"texels": "visible", "sizes": "fitted"}, {"texels": "all", "size": 64}):
+        clip(shoot, sequence, (3, 4, 5, 8, 9), **NEEDED | changes, reuse=3, tolerance=0.3)
+    assert old > 0
 
 
-def test_light_of_other_levels_is_not_kept(shoot):
-    """Nor where finer ones are wanted than its own; that of coarser ones is a part of it."""
-    shot = shoot(small("road-drive"), 1)
-    tiles = tiles_of(shot.launcher, Layout(np.array([2]), np.array([256], np.int32)))
-    epochs, (one, two, three) = Epochs(8, 1e9), range(1, 4)
-    epochs.look(shot.at(0))
-    tiles.table.host[[SHADE, KEEP]], tiles.table.host[EPOCH] = [[1], [2]], 0
-    last = tiles.hold()
-    table = tiles.table.host
-    table[[SHADE, KEEP]], table[EPOCH] = [[1], [2]], 1
-    table[SHADE, one], table[KEEP, two], table[KEEP, three] = 0, 1, 3
-    epochs.look(shot)
-    epochs.finding(tiles, last)()
-    at = tiles.layout.of(0).start
-    assert at == one
-    assert table[EPOCH, 1:6].tolist() == [1, 1, 0, 0, 0]
-    assert table[KEEP, 1:6].tolist() == [2, 1, 2, 2, 2]
+def test_a_jump_lights_only_what_its_frame_needs(shoot, monkeypatch):
+    """All frames whose light may be kept, or those since the last; none where the light is the same."""
+    lit = []
+    done = tsl.Targets._light
+
+    def light(targets, shot, **more):
+        lit.append(shot.frame)
+        return done(targets, shot, **more)
+
+    monkeypatch.setattr(tsl.Targets, "_light", light)
+    clip(shoot, small("road-drive", motion=FAST), (20, 21, 23, 30, 29), reuse=4, **NEEDED)
+    assert lit == [17, 18, 19, 20, 21, 22, 23, 27, 28, 29, 30, 26, 27, 28, 29]
+    lit.clear()
+    pictures = clip(shoot, small("road-shift"), (20, 22, 22, 3), reuse=4, **NEEDED)
+    assert lit == [20, 22, 22, 3]
+    assert pictures[2].shaded == 0
+    assert 0 < 4 * pictures[1].shaded < pictures[0].shaded
 
 
-def test_cut_segments_are_lit_anew(shoot):
-    """The road ends in the last segment, which a driving eye uncovers: its light is never kept."""
-    sequence = small("road-drive", scene={"road": {"length": 20.0}})
-    inside, last = np.split(ages(shoot, sequence, range(8), 4, 1e9, segments=(1, 2)), 2, axis=1)
-    assert inside[-1].max() == 3
-    assert last.max() == 0
+def test_frames_that_fail_on_the_way_to_another_spoil_none(shoot, render, monkeypatch):
+    """As by Ctrl-C in the midst of those that a frame begins with."""
+    sequence, given = small("road-drive", motion=FAST), NEEDED | {"reuse": 5, "tolerance": 0.3}
+    shot, technique, done = shoot(sequence), techniques()["tsl"], tsl.Targets._light
+    settings = technique.settings(**given)
+    exact = {frame: render(shot.at(frame), "tsl", **given).rgba.tobytes() for frame in range(15, 22)}
+    for failing in range(15, 21):
+        renderer = technique.begin()
 
+        def light(targets, shot, failing=failing, **more):
+            if shot.frame == failing:
+                raise KeyboardInterrupt
+            return done(targets, shot, **more)
 
-def test_wires_have_no_light_of_the_road(shoot):
-    """An eye that drives backwards finds them under numbers that were the road's."""
-    scene = {"road": {"length": 40.0, "segment": 8.0}, "wires": {"count": 8, "width": 0.3, "height": 0.8}}
-    changes = {"fps": 10.0, "motion": {"kind": "drive", "speed": -240.0}, "camera": {"distance": 800.0}}
-    sequence, frame, reuse = small("road-sliver", scene=scene, **changes), 8, 4
-    now, before = (shoot(sequence, t).mesh for t in (frame, frame - 1))
-    wires = np.unique(now.segments[now.loose])
-    assert np.isin(wires, before.segments[~before.loose]).any()
-    assert ages(shoot, sequence, range(frame - 3, frame + 1), reuse, 1e9, segments=wires)[-1].max() == 0
+        with monkeypatch.context() as patch:
+            patch.setattr(tsl.Targets, "_light", light)
+            with suppress(KeyboardInterrupt):
+                renderer(shot.at(20), settings)
+        for frame in range(failing, 22):
+            assert renderer(shot.at(frame), settings).rgba.tobytes() == exact[frame]
 
 
 FAILING = [
