@@ -42,12 +42,10 @@ KEPT = tuple(kept(frames, tolerance) for frames in FRAMES for tolerance in (*TOL
 
 @dataclass(frozen=True)
 class Row:
-    """A variant's scores and its times. shaded: texels or samples of a frame after the first, as those that are timed.
-    lag: by how many frames light is late, None where it does not change."""
+    """A variant's scores, its times, and by how many frames its light is late, None where light does not change."""
 
     trial: Trial
     times: Sequence[Time]
-    shaded: float
     lag: float | None
 
 
@@ -58,13 +56,12 @@ def reuse_study(stage: Stage, *, rounds: int) -> dict[str, Row]:
     settings = TslSettings.model_validate(THRIFTY)
     before = [late(stage.shot(frame), settings) for frame in stage.frames]
     drift = [a - b.rgba for a, b in zip(before, now, strict=True)]
-    rows = {}
-    for variant in (PIXELS, PLAIN, *KEPT):
+    rows = {PIXELS.label: Row(stage.measure(PIXELS, names=["budget"]), times[PIXELS.label], None)}
+    for variant in (PLAIN, *KEPT):
         pictures = now if variant is PLAIN else stage.pictures(variant)
         lag = lateness([a.rgba - b.rgba for a, b in zip(pictures, now, strict=True)], drift)
         trial = stage.measure(variant, names=["budget"], pictures=pictures)
-        shaded = float(np.mean([picture.shaded for picture in pictures[1:]]))
-        rows[variant.label] = Row(trial, times[variant.label], shaded, None if variant is PIXELS else lag)
+        rows[variant.label] = Row(trial, times[variant.label], lag)
     return rows
 
 
@@ -100,8 +97,8 @@ def section(found: Mapping[str, Mapping[str, Row]]) -> Section:
     parts: list[str | Table] = [
         "Light depends on the eye and the sun, not on where the camera looks. A tile is lit when it comes into sight; "
         "`reuse` keeps its light for N frames at most, tiles taking turns, and `tolerance` bounds by how much it may "
-        "have changed meanwhile, as a part of the peak of the highlight of the maps' highest power. Texels are those "
-        "of a frame after the first, as are times. All rows but the first are "
+        "have changed meanwhile, as a part of the peak of the highlight of the maps' highest power. Frames have others "
+        "before them, from which they keep light. All rows but the first are "
         '`texels = "needed"` with moments (`vmf`). *Lag* is by how many frames light is late: how often the '
         "difference that light of one frame ago makes is in the picture.",
     ]
@@ -110,9 +107,9 @@ def section(found: Mapping[str, Mapping[str, Row]]) -> Section:
     parts.append(
         "It fails where light itself moves: under a sun that sweeps by a degree a frame nothing can be kept within the "
         "tolerance, and what the schedule keeps is an error several times as large. Where the eye stands still it "
-        "saves nearly all shading, and the light stays exact. Cut segments at the road's ends, hills that turn away, "
-        "wires and posts are always lit anew. What binds is what no kept light saves: finding which texels are read, "
-        "pasting them by footprints that are new in each frame, and the book of the tiles of several frames."
+        "saves nearly all shading, and the light stays exact. Wires and posts are always lit anew, segments while the "
+        "road's end cuts them and hills while they turn away. What binds is what no kept light saves: finding which "
+        "texels are read, and pasting them by footprints that are new in each frame."
     )
     return Section("Light kept from frame to frame", parts)
 
@@ -123,13 +120,13 @@ def _verdict(rows: Mapping[str, Row]) -> str:
     kept = [rows[variant.label] for variant in KEPT]
     able = [row for row in kept if (row.trial.rms() or 0.0) <= WANTED * (plain.trial.rms() or 0.0)]
     best = min(able, key=lambda row: cpu(row.times), default=plain)
-    least = min(kept, key=lambda row: row.shaded)
-    whole = max(plain.shaded, 1.0)
+    least = min(kept, key=lambda row: row.trial.shaded)
+    whole = max(plain.trial.shaded, 1.0)
     binds = (
-        f" The least that was tried to be lit anew, {least.shaded / whole:.2f} of the texels "
+        f" The least that was tried to be lit anew, {least.trial.shaded / whole:.2f} of the texels "
         f"(`{least.trial.variant.label}`), takes {cpu(least.times) / cpu(plain.times):.2f} of the time."
     )
-    shaded = np.array([row.shaded for row in kept])
+    shaded = np.array([row.trial.shaded for row in kept])
     if np.ptp(shaded) > SOME * whole:
         _, none = np.polyfit(shaded, [cpu(row.times) for row in kept], 1)
         binds += (
@@ -142,7 +139,7 @@ def _verdict(rows: Mapping[str, Row]) -> str:
         f"within {WANTED:g} times the error the cheapest is `{best.trial.variant.label}`: "
         f"{cpu(best.times) / cpu(plain.times):.2f} of the time of lighting anew, "
         f"{cpu(best.times) / cpu(pixels.times):.1f} times `pixel-aniso`, "
-        f"{best.shaded / whole:.2f} of the texels.{binds}"
+        f"{best.trial.shaded / whole:.2f} of the texels.{binds}"
     )
 
 
@@ -151,7 +148,7 @@ def _table(sequence: str, rows: Mapping[str, Row]) -> Table:
     cells: list[list[Cell]] = []
     for label, row in rows.items():
         ms, error, whole = cpu(row.times), row.trial.rms(), plain.trial.rms()
-        cost: list[Cell] = [label, round(row.shaded), ms, ms / cpu(pixels.times)]
+        cost: list[Cell] = [label, round(row.trial.shaded), ms, ms / cpu(pixels.times)]
         of_plain = error / whole if error is not None and whole else None
         cells.append([*cost, error, of_plain, row.trial.rms("flicker"), row.lag])
     headings = ["light", "texels a frame", "ms of all cores", "of `pixel-aniso`", "error", "of anew", "flicker", "lag"]

@@ -35,7 +35,7 @@ def test_light_of_the_frame_before_is_that_frames_where_nothing_else_moves(shoot
 
 def made(variant, ms, error, shaded, lag):
     measurement = Measurement(scores={"budget.mse": error**2, "budget.flicker": 0.0}, errors={})
-    return reuse.Row(Trial(variant, measurement, 0.0), [Time(ms, ms)], shaded, lag)
+    return reuse.Row(Trial(variant, measurement, shaded), [Time(ms, ms)], lag)
 
 
 def test_the_verdict_is_the_cheapest_within_the_error_that_is_wanted():
