@@ -104,6 +104,13 @@ def test_light_of_a_segment_that_was_cut_is_made_anew_once_it_is_whole(shoot):
     assert found.tolist() == [0, 0, 0, 1, 2]
 
 
+def test_light_that_is_of_a_whole_segment_is_kept_when_it_is_cut(shoot):
+    """The eye drives backwards, and the road's end cuts segment 3 from frame 9 on."""
+    motion = {"kind": "drive", "speed": -60.0}
+    sequence = small("road-drive", scene={"road": {"length": 20.0}}, camera={"distance": 20.0}, motion=motion)
+    assert ages(shoot, sequence, range(13), 64, 1e9, segments=(3,)).max(axis=1).tolist() == list(range(13))
+
+
 def test_segments_are_whole_that_reach_both_ends_and_face_the_eye(shoot):
     mesh = shoot(small("road-hills", motion=FAST), 5).mesh
     whole, turned = set(), 0

@@ -32,18 +32,19 @@ def test_blocks_of_targets_that_change_are_given_back(launcher):
 
 
 def test_a_block_that_is_finer_than_wanted_is_given_back_whole(launcher):
-    """What is held of a tile may have more levels than are wanted of it now."""
+    """What is held of a tile may have more levels than are wanted of it now; it is all there when they are."""
     pool, last, ends = Pool(launcher), Held.nothing(launcher), []
     layout = Layout(np.arange(2), np.array([64, 32], np.int32))
-    for keep, shade in [(0, 0), (2, 0), (NEVER, NEVER)] * 20:
+    for keep, shade in [(0, 0), (2, 0), (1, 0), (NEVER, NEVER)] * 20:
         tiles = tiles_of(launcher, layout, shade, keep)
         tiles.table.host[EPOCH] = 0
         pool.placing(tiles, light_of(layout, [7]), last)()
         first = layout.of(0).start
         assert tiles.table.host[HELD, first] == (NEVER if keep == NEVER else 0)
+        assert (tiles.table.host[ANEW, first] == 0) == (keep == 0)
         ends.append(len(pool.texels))
         last = tiles.hold()
-    assert ends[1:] == ends[1:2] * 59
+    assert ends[1:] == ends[1:2] * 79
 
 
 LEVELS = st.one_of(st.integers(0, TILE_LEVEL), st.just(NEVER))

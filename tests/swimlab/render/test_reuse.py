@@ -161,16 +161,19 @@ def test_light_of_another_frame_is_held(shoot, monkeypatch):
 
 def test_a_jump_lights_only_what_its_frame_needs(shoot, monkeypatch):
     """All frames whose light may be kept, or those since the last; none where the light is the same."""
-    lit = []
+    lit, begun = [], []
     done = tsl.Targets._light
 
     def light(targets, shot, **more):
         lit.append(shot.frame)
+        if targets._held is targets._nothing:
+            begun.append(shot.frame)
         return done(targets, shot, **more)
 
     monkeypatch.setattr(tsl.Targets, "_light", light)
     clip(shoot, small("road-drive", motion=FAST), (20, 21, 23, 30, 29), reuse=4, **NEEDED)
     assert lit == [17, 18, 19, 20, 21, 22, 23, 27, 28, 29, 30, 26, 27, 28, 29]
+    assert begun == [17, 27, 26]
     lit.clear()
     pictures = clip(shoot, small("road-shift"), (20, 22, 22, 3), reuse=4, **NEEDED)
     assert lit == [20, 22, 22, 3]
@@ -299,6 +302,25 @@ def test_frames_without_road_spoil_none_after_them(shoot, render, texels):
         assert picture.rgba.tobytes() == render(shoot(sequence, frame), "tsl", **given).rgba.tobytes()
         empty += not picture.rgba.any()
     assert 0 < empty < 7
+
+
+class Glancing(Motion):
+    """A drive in which the eye looks away from the road in every fourth frame."""
+
+    kind: Literal["glancing"] = "glancing"
+
+    def view(self, sequence, t):
+        camera = sequence.camera.model_copy(update={"distance": 0.2 * t, "pitch": 80.0 if t % 4 == 3 else -8.0})
+        return View(*sequence.size, (0.0, 0.0), (1.0, 1.0), camera)
+
+
+def test_a_driving_eye_that_looks_away_for_a_frame_changes_no_bit(shoot, render):
+    sequence = small("road-drive").model_copy(update={"motion": Glancing()})
+    given = NEEDED | {"reuse": 2, "tolerance": 1e9}
+    pictures = clip(shoot, sequence, range(9), **given)
+    for frame, picture in enumerate(pictures):
+        assert picture.rgba.tobytes() == render(shoot(sequence, frame), "tsl", **given).rgba.tobytes()
+    assert [bool(picture.rgba.any()) for picture in pictures] == [frame % 4 != 3 for frame in range(9)]
 
 
 def test_after_too_many_texels_there_is_room_again(shoot, monkeypatch):
