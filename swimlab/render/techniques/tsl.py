@@ -139,7 +139,9 @@ class Targets:
             if last is None or not self._epochs.oldest <= last < shot.frame:
                 self._held, last = self._nothing, self._epochs.oldest - 1
             for frame in range(last + 1, shot.frame):
+                self._epochs.look(shot.at(frame))
                 self._light(shot.at(frame), paints=False)
+            self._epochs.look(shot)
         picture = self._light(shot, paints=True)
         self._done = shot.frame
         return picture or Picture(np.zeros((shot.view.height, shot.view.width, 4), np.float32))
@@ -147,7 +149,6 @@ class Targets:
     def _light(self, shot: Shot, *, paints: bool) -> Picture | None:
         """Light what a shot reads; the picture, if it `paints` one and anything is in sight."""
         # What can be is done before the first kernel, as kernels empty the caches.
-        self._epochs.look(shot)
         light: Callable[[], Picture | None] | None = None
 
         def before(tiles: Tiles) -> None:
