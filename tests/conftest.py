@@ -4,7 +4,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import pytest
+from hypothesis import settings
 from skips import pytest_runtest_makereport  # noqa: F401 - a hook of pytest
+
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 
 class Tolerance(NamedTuple):

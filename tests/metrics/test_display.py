@@ -57,7 +57,7 @@ def test_tone_maps_and_gamma_have_their_closed_forms(tolerance):
     assert Display(tone_map="reinhard").curve(x) == pytest.approx(encode(x / (1 + x)), abs=tolerance("closed form"))
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, max_examples=60)
 @given(display=displays, radiance=radiances, frame=st.integers(0, 10**6))
 def test_codes_of_any_radiance_lie_in_0_to_1(display, radiance, frame):
     for codes in (display.show(radiance, frame), display.curve(radiance)):
@@ -65,7 +65,7 @@ def test_codes_of_any_radiance_lie_in_0_to_1(display, radiance, frame):
     assert np.array_equal(display.show(radiance, frame), display.show(radiance, frame))
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, max_examples=60)
 @given(display=displays, radiance=arrays(np.float64, 20, elements=st.floats(0, 1e30)))
 def test_more_light_never_gives_a_lower_code(display, radiance):
     codes = display.curve(np.sort(radiance))
@@ -73,7 +73,7 @@ def test_more_light_never_gives_a_lower_code(display, radiance):
     assert np.all(np.diff(codes) >= -1e-7)
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, max_examples=60)
 @given(bloom=blooms, level=st.floats(0, 1e3), height=st.integers(1, 40), width=st.integers(1, 40))
 def test_a_constant_picture_stays_constant_under_bloom(bloom, level, height, width, tolerance):
     light = np.full((3, height, width), level)
@@ -120,7 +120,7 @@ def test_a_picture_of_twice_the_size_blooms_alike(tolerance):
     assert np.abs(small - large).max() < tolerance("bloom at another size") * blob.max()
 
 
-@settings(derandomize=True, deadline=None, max_examples=30)
+@settings(derandomize=True, max_examples=30)
 @given(light=arrays(np.float64, (3, 4, 5), elements=st.floats(0, 1)), bits=st.integers(1, 16))
 def test_quantisation_is_off_by_half_a_step_at_most_and_dither_by_one(light, bits, tolerance):
     exact, steps = Display().show(light), 2**bits - 1

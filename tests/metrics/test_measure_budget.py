@@ -84,7 +84,7 @@ def test_all_five_errors_are_of_one_size(five, tolerance):
     assert sizes == pytest.approx([0.01] * 5, rel=tolerance("equal rms"))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     seed=st.integers(0, 2**32 - 1),
     count=st.integers(2, 5),

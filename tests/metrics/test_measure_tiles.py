@@ -83,7 +83,7 @@ def test_small_tiles_are_laid_only_where_no_larger_one_could_stand():
     assert not weight.any()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), dx=st.floats(-3, 3), dy=st.floats(-3, 3))
 def test_spectra_keep_the_energy_of_the_windowed_pixels(seed, dx, dy, tolerance):
     random = np.random.default_rng(seed)

@@ -58,7 +58,7 @@ def run(launcher, over, inputs, rows):
         launcher.on_host(add_all, inputs)()
 
 
-@settings(derandomize=True, max_examples=25, deadline=None)
+@settings(derandomize=True, max_examples=25)
 @given(
     rows=st.integers(1, 40),
     over=st.booleans(),

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sequences import Camera, Road, View
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(yaw=st.floats(-360, 360), pitch=st.floats(-90, 90))
 def test_basis_is_a_rotation_without_roll(yaw, pitch, tolerance):
     basis = Camera(yaw=yaw, pitch=pitch).basis()

@@ -48,7 +48,7 @@ def test_two_motions_of_one_kind_are_refused():
         by_kind([Shift, Drive, Shift])
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(t=st.integers(-5, 1000), vx=st.floats(-50, 50), vy=st.floats(-50, 50))
 def test_shift_samples_the_base_image_a_velocity_behind(t, vx, vy):
     shifted = sequence({"kind": "shift", "velocity": [vx, vy]}, size=[64, 36])
@@ -77,7 +77,7 @@ def test_scale_goes_in_equal_ratios():
     assert scaled.motion.uniform_velocity is None
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(t=st.integers(-2, 20), start=st.floats(0.01, 16), end=st.floats(0.01, 16), width=st.integers(8, 2000))
 def test_scale_keeps_the_field_of_view(t, start, end, width, tolerance):
     scaled = sequence({"kind": "scale", "from": start, "to": end}, size=[width, 36], frames=11)
@@ -110,7 +110,7 @@ def test_drive_moves_the_camera_alone(tolerance):
     assert driven.motion.uniform_velocity is None
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(t=st.integers(-5, 1000), speed=st.floats(-90, 90), yaw=st.floats(-360, 360))
 def test_turn_turns_the_camera_alone(t, speed, yaw, tolerance):
     turned = sequence({"kind": "turn", "speed": speed}, fps=50, camera={"distance": 7.0, "yaw": yaw})
@@ -121,7 +121,7 @@ def test_turn_turns_the_camera_alone(t, speed, yaw, tolerance):
     assert turned.motion.uniform_velocity is None
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(t=st.integers(-5, 1000), around=st.floats(-90, 90), up=st.floats(-90, 90))
 def test_the_sun_sweeps_over_a_picture_that_stands_still(t, around, up, tolerance):
     motion = {"kind": "sun", "azimuth_speed": around, "elevation_speed": up}

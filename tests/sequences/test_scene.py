@@ -25,7 +25,7 @@ def test_hills_are_a_sine_of_y(tolerance):
     assert road.slope_at(y) == pytest.approx(np.array((top, 0, -top, 0, top)), abs=tolerance("closed form"))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(y=st.floats(-500, 500), amplitude=st.floats(0, 5), wavelength=st.floats(5, 100))
 def test_slope_is_the_derivative_of_height(y, amplitude, wavelength, tolerance):
     road = Road(profile="hills", amplitude=amplitude, wavelength=wavelength)
@@ -61,7 +61,7 @@ def test_the_sun_goes_clockwise_from_straight_ahead(azimuth, elevation, directio
     assert sun.direction == pytest.approx(np.array(direction, dtype=float), abs=tolerance("rotation"))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(azimuth=st.floats(-360, 360), elevation=st.floats(-90, 90))
 def test_the_direction_to_the_sun_is_unit(azimuth, elevation, tolerance):
     direction = Sun(azimuth=azimuth, elevation=elevation).direction

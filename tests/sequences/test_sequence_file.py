@@ -115,7 +115,7 @@ def within(part, whole):
     return list(part) == list(whole) if isinstance(part, list) else part == whole
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(data=files)
 def test_a_file_survives_the_round_trip(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("file") / "a.toml"

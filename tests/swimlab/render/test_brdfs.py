@@ -133,7 +133,7 @@ directions = st.one_of(
 
 
 @pytest.mark.parametrize("name", brdfs())
-@settings(derandomize=True, deadline=None, max_examples=150)
+@settings(derandomize=True, max_examples=150)
 @given(
     light=directions,
     view=directions,

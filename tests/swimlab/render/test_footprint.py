@@ -79,7 +79,7 @@ angles = st.floats(0, 2 * np.pi)
 shapes = st.tuples(angles, st.floats(-12, 14), st.floats(0, np.log2(1e4)), angles, st.booleans())
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(drawn=st.lists(shapes, min_size=1, max_size=24))
 def test_axes_are_the_singular_ones(launcher, tolerance, drawn):
     jacobians = []

@@ -73,7 +73,7 @@ def count_up(first_row: wp.int32, times: wp.array2d(dtype=wp.int32), scratch: wp
         times[first_row + wp.tid(), i] = scratch[row, i] + 1
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
+@settings(derandomize=True, max_examples=30)
 @given(rows=st.integers(1, 700), n=st.sampled_from([1, 2, 8, 64]))
 def test_a_kernel_runs_over_every_row_once(launchers, rows, n):
     """However few the threads, each with scratch of its own."""
@@ -176,7 +176,7 @@ def count_groups(first_row: wp.int32, times: wp.array2d(dtype=wp.int32)):
         times[row, 0] += start
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
+@settings(derandomize=True, max_examples=30)
 @given(rows=st.integers(1, 700))
 def test_rows_that_a_kernel_takes_together_stay_together(launchers, rows):
     """However many strips, each group of rows begins where it would in one."""

@@ -15,7 +15,7 @@ profiles = st.one_of(
 )
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     profile=profiles,
     width=st.floats(0.5, 30),
@@ -117,7 +117,7 @@ def test_the_wires_show_painted_texels(size):
         assert albedo[:, within].mean() > 2 * albedo.mean()
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     amplitude=st.floats(0, 2),
     distance=st.floats(-40, 40),

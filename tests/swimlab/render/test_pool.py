@@ -79,7 +79,7 @@ def size_of_block(layout, entry, keep):
     return sum(4**level for level in range(1, tile_level - keep + 1))
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
+@settings(derandomize=True, max_examples=60)
 @given(frames=clips())
 def test_blocks_that_are_held_never_overlap(launcher, frames):
     """Whatever was given back before; all lie within the pool, beyond the texels that are nobody's. What is held of
@@ -111,7 +111,7 @@ def test_blocks_that_are_held_never_overlap(launcher, frames):
         last = tiles.hold()
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=40)
 @given(frames=clips(), square=st.booleans(), texels=st.sampled_from([8, 32]), widened=st.sets(st.integers(0, 1)))
 def test_each_tile_is_in_one_job(launcher, frames, square, texels, widened):
     """Jobs are of one way, target and level each, and no larger than a whole tile."""

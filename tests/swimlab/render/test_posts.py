@@ -21,7 +21,7 @@ SEQUENCE = load("road-posts").with_changes(size=(160, 90))
 BARE = SEQUENCE.with_changes(scene=SEQUENCE.scene.model_dump() | {"posts": None})
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     rows=st.lists(st.floats(-5, 5), min_size=1, max_size=4, unique=True),
     spacing=st.floats(0.5, 30),

@@ -18,7 +18,7 @@ PIXELS = sorted(set(techniques()) - {"tsl", "taa", "vertex", "reference"})
 SLIDING = [*PIXELS, "tsl", "vertex"]
 """Techniques whose picture goes with the grid; the reference's jitter is the pixel's own, and taa's the frame's."""
 
-some = settings(derandomize=True, deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
+some = settings(derandomize=True, max_examples=25, suppress_health_check=list(HealthCheck))
 
 
 def cameras_within(**ranges):

@@ -19,7 +19,7 @@ flat_vertex = st.tuples(half_pixels, half_pixels, st.just(2))
 deep_vertex = st.tuples(half_pixels, half_pixels, st.sampled_from([-4, -2, -1, 1, 2, 3, 8]))
 fractions = st.floats(-2.0, SIDE + 2.0, allow_subnormal=False)
 any_vertex = st.tuples(fractions, fractions, st.floats(0.25, 4.0) | st.floats(-4.0, -0.25))
-often = settings(derandomize=True, deadline=None, max_examples=150)
+often = settings(derandomize=True, max_examples=150)
 
 
 def grid_of(width=SIDE, height=SIDE, origin=(0.0, 0.0)):

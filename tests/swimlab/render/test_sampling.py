@@ -141,7 +141,7 @@ def test_levels_beyond_the_chain_are_its_ends(chain_of, sample, tolerance):
 derivatives = st.tuples(st.floats(-2, 2), st.floats(-2, 2))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     name=st.sampled_from(FILTERS),
     uv=st.tuples(st.floats(-100, 100), st.floats(-100, 100)),
@@ -154,7 +154,7 @@ def test_a_constant_stays_constant(chain_of, sample, tolerance, name, uv, dx, dy
     assert found == pytest.approx(np.float32(0.7), rel=tolerance("weights in float32"))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(size=st.floats(-3, 5), turn=st.floats(0, 2 * np.pi))
 def test_a_round_footprint_needs_one_probe(chain_of, sample, tolerance, size, turn):
     chain = chain_of(noise(32, 32))
@@ -177,7 +177,7 @@ def test_borders_repeat_or_clamp(chain_of, sample, tolerance):
     assert np.array_equal(clamped, np.stack([top, image[-1, 3], top, image[-1, 3]]))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     texel=st.tuples(st.integers(-300, 300), st.integers(-300, 300)),
     within=st.tuples(st.floats(0, 0.999), st.floats(0, 0.999)),

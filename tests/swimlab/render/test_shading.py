@@ -133,7 +133,7 @@ def test_the_highlight_outlives_the_diffuse_light(launcher, tolerance):
 directions = st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0.05, 1))
 
 
-@settings(derandomize=True, deadline=None)
+@settings(derandomize=True)
 @given(
     sun=directions,
     to_eye=directions,

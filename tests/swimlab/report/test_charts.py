@@ -189,7 +189,7 @@ def test_lines_of_all_first_orders_stay_in_the_plane(tolerance: Callable[[str], 
     assert plane_slice(an_entry()) == ("", "")
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.lists(st.floats(0, 1e30) | st.none(), min_size=3, max_size=3))
 def test_no_strip_holds_nan(row: list[float | None]) -> None:
     svg, sentence = strip(an_entry(**{"budget.strip": a_strip([row, row])}))
