@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError
 from .camera import Camera
 from .display import Display
 from .motions import MOTIONS, AnyMotion
+from .names import LONGEST, NAME
 from .problems import SequenceError, describe
 from .scene import Scene, Sun
 from .table import Real, Table, Whole
@@ -22,8 +23,8 @@ class Sequence(Table):
 
     version: Literal[1] = Field(description="version of the file format: 1")
     name: str = Field(
-        pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
-        max_length=100,
+        pattern=NAME,
+        max_length=LONGEST,
         description="name of the sequence: letters, digits, dot, dash, underscore; it names a folder",
     )
     frames: Whole = Field(32, ge=1, le=1_000_000, description="number of frames")

@@ -3,6 +3,7 @@
 pytest loads this module whenever swimlab is installed, so it imports nothing heavy until the fixture is used.
 """
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -82,6 +83,8 @@ def swimlab_gate(request: pytest.FixtureRequest, tmp_path: Path) -> CheckGate:
             pytest.fail(f"{error}\n{_renew(beside(gate), run)}", pytrace=False)
         if outcome.exit_code:
             pytest.fail(f"{table_text(outcome)}{_renew(beside(gate), run)}", pytrace=False)
+        for text in outcome.warnings:
+            warnings.warn(pytest.PytestWarning(text), stacklevel=2)
         return outcome
 
     return check

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from swimlab.cli.sources import warn_of_sources
+from swimlab.cli.sources import warn_of_measuring, warn_of_sources
 from swimlab.gate.outcome import update_baseline
 from swimlab.gate.outputs import number
 from swimlab.gate.rules import GateError, load_gate
@@ -51,6 +51,7 @@ def baseline_command(
             )
         return 2
     warn_of_sources(runs)
+    warn_of_measuring(runs)
     for (sequence, technique), known in baseline.entries.items():
         for name, (mean, sigma) in known.scores.items():
             spread = "unknown" if sigma is None else number(sigma)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from swimlab.cli.comparison_table import print_comparison, print_outlook
+from swimlab.cli.sources import warn_of_measuring
 from swimlab.compare import history
 from swimlab.compare.history import commit_of
 from swimlab.compare.pick import Pick
@@ -65,6 +66,7 @@ def compare_command(
         print(json.dumps(comparison.as_json(), indent=1, allow_nan=False))
     else:
         print_comparison(comparison)
+    warn_of_measuring(runs)
     return 0
 
 
@@ -82,6 +84,7 @@ def _against_history(
     earlier = history.read_history(folder)
     outlook = history.look_back(read_all(runs), earlier, pick=pick, threshold=sigma)
     saved = history.save(folder, runs, commit_of(Path.cwd()), provenance=about) if save else None
+    warn_of_measuring(runs)
     if json_output:
         content = outlook.as_json(sigma) | {"provenance": about, "saved": None if saved is None else str(saved)}
         print(json.dumps(content, indent=1, allow_nan=False))

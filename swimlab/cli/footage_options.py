@@ -1,12 +1,15 @@
 """Options of the commands that read anyone's frames."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from metrics import Display
+from sequences.names import check_name
 from swimlab.footage.convention import PRESETS, Convention, Preset
 from swimlab.footage.jitter import Side
 from swimlab.footage.request import Request
@@ -165,8 +168,10 @@ class Footage:
 
     def requests(self, domain: Literal["linear", "display"]) -> dict[str, Request]:
         """What to measure of each build. Raises FrameError for an option that cannot be read."""
+        if self.sequence is not None:
+            _checked("--sequence", partial(check_name, of="a sequence"), self.sequence)
         if not self.build:
-            return {_checked("--name", self.name): self._request(self.test, domain)}
+            return {_checked("--name", check_build, self.name): self._request(self.test, domain)}
         if self.test is not None or self.name != "test":
             raise FrameError("--build: names all builds; give --build NAME=PATTERN in place of --test and --name")
         found: dict[str, Request] = {}
@@ -176,7 +181,7 @@ class Footage:
                 raise FrameError(f"--build {text}: give NAME=PATTERN, as main=main/f.####.exr")
             if name in found:
                 raise FrameError(f"--build {text}: there is a build {name} already; name each build once")
-            found[_checked("--build", name)] = self._request(pattern, domain)
+            found[_checked("--build", check_build, name)] = self._request(pattern, domain)
         return found
 
     def _request(self, test: str | None, domain: Literal["linear", "display"]) -> Request:
@@ -261,9 +266,9 @@ class Footage:
         )
 
 
-def _checked(option: str, name: str) -> str:
+def _checked(option: str, check: Callable[[str], str], name: str) -> str:
     try:
-        return check_build(name)
+        return check(name)
     except ValueError as error:
         raise FrameError(f"{option}: {error}") from error
 

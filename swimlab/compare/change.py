@@ -10,6 +10,7 @@ from metrics import METRICS
 from metrics.ratios import difference_error, reference_floor
 from swimlab.runs.counting import counted
 from swimlab.runs.entries import Entry, number
+from swimlab.runs.shares import share
 
 Verdict = Literal["same", "better", "worse", "changed", "unresolved", "unknown", "gone", "new"]
 
@@ -54,8 +55,8 @@ class Change:
 
     @property
     def relative(self) -> float | None:
-        """The change as a share of what was before; None where that is 0."""
-        return self.absolute / abs(self.before) if self.absolute is not None and self.before else None
+        """The change as a share of what was before; None where that is 0 or round-off."""
+        return None if self.before is None or self.after is None else share(self.before, self.after)
 
     def as_json(self) -> dict[str, Any]:
         """Ready for JSON, which has no infinity: infinite sigmas are null."""

@@ -1,6 +1,5 @@
 """Shot files: anyone's frames under several builds, with one reference and one motion, as plain data."""
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
@@ -12,6 +11,7 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from metrics.display import Domain
 from sequences import Sequence
 from sequences.display import Display
+from sequences.names import LONGEST, NAME, check_name
 from sequences.problems import SequenceError, describe
 from sequences.table import Real, Table, Whole
 from sequences.toml_file import TomlError, change, read_toml
@@ -24,8 +24,6 @@ from swimlab.footage.source import AlphaUse, Box, Look
 from swimlab.runs.clips import shown_by
 from swimlab.runs.record import RESERVED, RunError
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
-
 Pair = tuple[Real, Real]
 Frames = Annotated[
     str, Field(min_length=1, description="pattern (f.####.exr), folder, file or video, relative to this file")
@@ -34,8 +32,7 @@ Frames = Annotated[
 
 def check_build(name: str) -> str:
     """The name, which a build may have. Raises ValueError."""
-    if re.fullmatch(NAME.strip("^$"), name) is None:
-        raise ValueError(f"{name!r} is no name of a build: use letters, digits, dot, dash and underscore")
+    check_name(name, "a build")
     if name in RESERVED:
         raise ValueError(f"{name!r} is what a run calls a part of its own: name the build otherwise")
     return name
@@ -135,7 +132,7 @@ class Shot(Table):
     version: Literal[1] = Field(description="version of the file format: 1")
     name: str = Field(
         pattern=NAME,
-        max_length=100,
+        max_length=LONGEST,
         description="name of the shot: letters, digits, dot, dash, underscore; the sequence's name in scores",
     )
     fps: Real | None = Field(None, gt=0, le=1e5, description="frames a second; without it: the files' own, else 60")

@@ -71,6 +71,7 @@ class Subject(Opened):
         self.motion_kind, self.motion, self.motion_size = other.motion_kind, other.motion, other.motion_size
         self.checked = other.checked
         self.notes += other._of_motion
+        self.warnings += [text for text in other.warnings if text in other._of_motion]
 
     def _moves_as(self, other: "Subject") -> bool:
         """Whether motion, coverage and reference are those of another build: no part of them is of the tests."""

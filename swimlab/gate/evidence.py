@@ -14,6 +14,7 @@ from swimlab.report.worst import frame_before, to_blame, worst_frames, worst_reg
 from swimlab.runs.entries import Entry
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import FrameError, Image, png
+from swimlab.runs.names import file_name
 from swimlab.runs.record import REFERENCE, Record
 
 CHANGES = {"flicker", "plane", "residual", "visible"}
@@ -64,7 +65,7 @@ def find_evidence(entry: Entry, metric: str) -> Evidence | None:
     except FrameError as error:
         return replace(found, lacking=str(error))
     region = worst_region(test[..., :3] - reference[..., :3], reference[..., 3] >= COVERED)
-    crop = entry.folder / "gate" / f"{entry.sequence}-{entry.technique}-{metric}.png"
+    crop = entry.folder / "gate" / file_name(entry.sequence, entry.technique, f"{metric}.png")
     try:
         write_crop(crop, {entry.technique: test, REFERENCE: reference}, region)
     except OSError as error:  # a run folder that is read-only is judged all the same

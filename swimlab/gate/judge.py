@@ -13,6 +13,7 @@ from swimlab.gate.evidence import Evidence
 from swimlab.gate.lacking import may_lack, why_lacking
 from swimlab.gate.rules import Cell, Gate, Rule
 from swimlab.runs.entries import Entry, Key
+from swimlab.runs.shares import share
 
 Status = Literal["pass", "warn", "fail", "unjudged"]
 MENDED = "`swimlab compare` shows what that costs; renew the baseline if it is meant"
@@ -154,6 +155,13 @@ def _limits(rule: Rule, base: tuple[float, float | None] | None, better: str) ->
             yield ">=", base[0] - allowed
 
 
+def _change(base: float, value: float) -> str:
+    relative = share(base, value)
+    if relative is None:
+        return f"{value - base:+.4g} against the baseline's {base:.4g}, which is as good as 0"
+    return f"{100 * relative:+.1f}% against the baseline"
+
+
 def _against(
     check: Check, value: float, limits: list[tuple[str, float]], rule: Rule, base: tuple[float, float | None] | None
 ) -> Check:
@@ -172,8 +180,8 @@ def _against(
     elif floor is not None and value < floor:
         beyond = f"{value:.6g} is below {floor:.6g}"
     if beyond:
-        if base is not None and base[0]:
-            beyond += f", {100 * (value / base[0] - 1):+.1f}% against the baseline"
+        if base is not None:
+            beyond += f", {_change(base[0], value)}"
         return replace(check, status="warn" if rule.level == "warn" else "fail", reason="; ".join([beyond, *reasons]))
     status: Status = "warn" if check.status == "warn" else "pass"
     return replace(check, status=status, reason="; ".join(reasons))

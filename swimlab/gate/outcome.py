@@ -12,12 +12,13 @@ from swimlab.gate.baseline import Baseline, make_baseline, read_baseline
 from swimlab.gate.evidence import find_evidence
 from swimlab.gate.judge import Check, Status, exit_code, governed, judge
 from swimlab.gate.lacking import rules_off
+from swimlab.gate.repeats import read_own
 from swimlab.gate.rules import GateError, load_gate
 from swimlab.render.catalogue import techniques
 from swimlab.render.plan import make_plan
 from swimlab.render.run import render_run
 from swimlab.runs.counting import counted
-from swimlab.runs.entries import Entry, read_all, read_entries
+from swimlab.runs.entries import Entry, read_all, warnings_of
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.brought import measure_brought
@@ -30,11 +31,15 @@ STATUSES: tuple[Status, ...] = ("fail", "unjudged", "warn", "pass")
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a gate found. exit_code: 0 passed, perhaps with warnings; 1 failed; 2 something could not be judged."""
+    """What a gate found. exit_code: 0 passed, perhaps with warnings; 1 failed; 2 something could not be judged.
+
+    warnings: what may make scores that were judged wrong, as a motion that does not fit the frames; it fails no check.
+    """
 
     gate: Path
     checks: Sequence[Check]
     provenance: dict[str, Any]
+    warnings: Sequence[str] = ()
 
     @property
     def exit_code(self) -> int:
@@ -55,13 +60,14 @@ class Outcome:
         return f"{self.gate}: {word}: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count)
 
     def as_json(self) -> dict[str, Any]:
-        """Ready for JSON: version, verdict, provenance and checks."""
+        """Ready for JSON: version, verdict, provenance, warnings and checks."""
         return {
             "version": VERSION,
             "gate": str(self.gate),
             "exit_code": self.exit_code,
             "verdict": self.verdict,
             "provenance": self.provenance,
+            "warnings": list(self.warnings),
             "checks": [_check_json(check) for check in self.checks],
         }
 
@@ -81,14 +87,16 @@ def run_gate(path: Path, runs: Sequence[Path], *, provenance: dict[str, Any]) ->
     found = {"runs": [str(run) for run in runs], **provenance}
     if baseline is not None:
         found["baseline"] = baseline.provenance
-    return Outcome(path, checks, found)
+    judged = {check.cell[:2] for check in checks}
+    return Outcome(path, checks, found, warnings_of(entry for entry in entries if entry.key in judged))
 
 
 def update_baseline(path: Path, runs: Sequence[Path], *, count: int | None, provenance: dict[str, Any]) -> Baseline:
     """Make the baseline of a gate from runs and write its file; several runs of a sequence give the spread.
 
     count: how many runs of each technique on each sequence there must be; None: any number.
-    Raises GateError where the gate names no baseline, a run lacks a score that a rule speaks of, or runs differ.
+    Raises GateError where the gate names no baseline, a run lacks a score that a rule speaks of, runs differ in their
+    settings, or one comes twice.
     """
     gate = load_gate(path)
     destination = gate.baseline_path
@@ -96,7 +104,7 @@ def update_baseline(path: Path, runs: Sequence[Path], *, count: int | None, prov
         raise GateError(f"{path}: names no baseline; add a [baseline] table with a file")
     if not runs:
         raise GateError("name at least one run folder, or a scores.json file")
-    entries = [entry for run in runs for entry in read_entries(run)]
+    entries = read_own(runs)
     baseline = make_baseline((cell for cell, _ in governed(gate, entries, None)), entries, provenance)
     if not baseline.entries:
         raise GateError(f"{path}: every rule is off; there is nothing to record")

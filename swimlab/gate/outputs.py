@@ -1,7 +1,7 @@
 """The outcome of a gate as a table in the terminal, as JUnit XML, and for GitHub."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from io import StringIO
 from pathlib import Path
 from xml.etree import ElementTree
@@ -35,7 +35,7 @@ def print_table(outcome: Outcome, console: Console | None = None) -> None:
         )
         table.add_row(Text(check.status, style=STYLES[check.status]), *map(Text, cells))
     console.print(table)
-    for line in remarks(outcome.checks):
+    for line in remarks(outcome):
         console.print(Text(line), soft_wrap=True)
     if outcome.paste:
         console.print(
@@ -52,9 +52,10 @@ def table_text(outcome: Outcome) -> str:
     return text.getvalue()
 
 
-def remarks(checks: Sequence[Check]) -> list[str]:
-    """A line for each check that says something: its score, the reason and where it is worst."""
-    return [f"{check.status}: {check.name}: {explain(check)}" for check in checks if explain(check)]
+def remarks(outcome: Outcome) -> list[str]:
+    """A line for each warning, and for each check that says something: its score, the reason and where it is worst."""
+    said = [f"{check.status}: {check.name}: {explain(check)}" for check in outcome.checks if explain(check)]
+    return [*(f"warning: {text}" for text in outcome.warnings), *said]
 
 
 def explain(check: Check) -> str:
@@ -81,7 +82,10 @@ ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def junit(outcome: Outcome) -> str:
-    """A test suite with a test case a score: what is beyond its limit is a failure, what cannot be judged an error."""
+    """A test suite with a test case a score: what is beyond its limit is a failure, what cannot be judged an error.
+
+    Warnings are the suite's standard error.
+    """
     failures = sum(check.status == "fail" for check in outcome.checks)
     errors = sum(check.status == "unjudged" for check in outcome.checks)
     counts = {"tests": str(len(outcome.checks)), "failures": str(failures), "errors": str(errors)}
@@ -102,6 +106,8 @@ def junit(outcome: Outcome) -> str:
         ElementTree.SubElement(case, "system-out").text = _clean(
             f"{check.status}: {said}" + (f"\n{why}" if why else "")
         )
+    if outcome.warnings:
+        ElementTree.SubElement(suite, "system-err").text = _clean("\n".join(f"warning: {t}" for t in outcome.warnings))
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
@@ -133,7 +139,7 @@ def summary(outcome: Outcome) -> str:
         cells = [f"{SIGNS[check.status]} {check.status}", check.sequence, check.technique, check.metric]
         cells += [number(check.value), check.limit or "-", *of_base(check)]
         lines.append("| " + " | ".join(map(_cell, cells)) + " |")
-    said = [f"- {_cell(line)}" for line in remarks(outcome.checks)]
+    said = [f"- {_cell(line)}" for line in remarks(outcome)]
     paste = (
         ["", "To switch off scores that are not available:", "```toml", outcome.paste, "```"] if outcome.paste else []
     )
@@ -141,7 +147,9 @@ def summary(outcome: Outcome) -> str:
 
 
 def annotations(outcome: Outcome) -> Iterator[str]:
-    """A workflow command for each check that did not pass, or that warns; they name the gate file."""
+    """A workflow command for each warning, and each check that did not pass or warns; they name the gate file."""
+    for text in outcome.warnings:
+        yield f"::warning file={_property(str(outcome.gate))},title=swimlab gate::{_data(text)}"
     for check in outcome.checks:
         if check.status in LEVELS:
             place = f"file={_property(str(outcome.gate))},title={_property('swimlab gate: ' + check.name)}"

@@ -9,6 +9,7 @@ from typing import Any
 
 from metrics.display import STANDARD
 from sequences.viewing import Viewing
+from swimlab.runs.names import check_part
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import read_scores, scores_path
 
@@ -48,7 +49,7 @@ class Entry:
     """A technique's scores on a sequence; a score that is null or not finite in the file is NaN here.
 
     frames, curves: as in scores.json. errors, replicates: of the scores that have them. folder: the run folder with
-    its pictures, if there is one.
+    its pictures, if there is one. warnings: what was found when it was measured that may make the scores wrong.
     """
 
     sequence: str
@@ -62,6 +63,7 @@ class Entry:
     replicates: dict[str, list[float]] = field(default_factory=dict)
     folder: Path | None = None
     provenance: dict[str, Any] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
 
     @property
     def key(self) -> Key:
@@ -123,14 +125,14 @@ def _hashes(path: Path, joined: str | None, names: Sequence[str]) -> dict[str, s
 
 
 def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: dict[str, Any]) -> Entry:
-    sequence = str(content["sequence"])
+    sequence = _name(path, content, "sequence")
     frames, curves = content.get("frames", []), content.get("curves", {})
     folder = _folder(path.parent, sequence, digest)
     if "hash" in content:  # builds of a shot have settings of their own
         digest, provenance = content["hash"], {**provenance, "settings": content["settings"]}
     return Entry(
         sequence=sequence,
-        technique=str(content["technique"]),
+        technique=_name(path, content, "technique"),
         scores={name: _number(value) for name, value in content["scores"].items()},
         absent=dict(content.get("absent", {})),
         settings=Settings(digest, _domain(provenance, content), _extent(frames, curves)),
@@ -140,7 +142,24 @@ def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: 
         replicates=content.get("replicates", {}),
         folder=folder,
         provenance=provenance,
+        warnings=tuple(map(str, content.get("warnings", ()))),
     )
+
+
+def _name(path: Path, content: dict[str, Any], of: str) -> str:
+    try:
+        return check_part(str(content[of]), of)
+    except ValueError as error:
+        raise RunError(f"{path}: {error}; measure the run again under another name") from error
+
+
+def warnings_of(entries: Iterable[Entry]) -> list[str]:
+    """A line for each warning, with the techniques and the sequence that it is of: "tsl on road-shift: ..."."""
+    told: dict[tuple[str, str], list[str]] = {}
+    for entry in entries:
+        for text in entry.warnings:
+            told.setdefault((entry.sequence, text), []).append(entry.technique)
+    return [f"{', '.join(dict.fromkeys(names))} on {sequence}: {text}" for (sequence, text), names in told.items()]
 
 
 def _domain(provenance: dict[str, Any], content: dict[str, Any]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.runs.files import write_json
+from swimlab.runs.names import check_part
 
 VERSION = 1
 """Version of the format of run.json and scores.json."""
@@ -62,7 +63,7 @@ class Record:
 
     @staticmethod
     def read(run: Path) -> "Record":
-        """Read RUN/run.json. Raises RunError where it is missing or not of this version."""
+        """Read RUN/run.json. Raises RunError where it is missing, not of this version, or has a name that is none."""
         path = run / "run.json"
         if not path.is_file():
             raise RunError(f"{path}: is missing; name a run folder that 'swimlab render' or 'study' wrote")
@@ -71,7 +72,11 @@ class Record:
             version = content.pop("version")
             if version != VERSION:
                 raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; render again")
-            return Record(**content)
+            record = Record(**content)
+            for of, names in (("sequence", [record.sequence.get("name", "-")]), ("technique", record.techniques)):
+                for name in names:
+                    check_part(str(name), of)
+            return record
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             if isinstance(error, RunError):
                 raise

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, ValidationError
 
 from metrics.display import Domain
+from sequences.names import LONGEST, NAME
 from sequences.problems import describe, hint
 from sequences.sequence import Side
 from sequences.table import Table, Whole
@@ -13,7 +14,6 @@ from sequences.toml_file import TomlError, read_toml
 from swimlab.render.catalogue import techniques
 from swimlab.runs.record import REFERENCE
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 SET_ELSEWHERE = {"version": "is not for a sweep to vary", "name": "is made from what is varied"}
 
 
@@ -25,7 +25,7 @@ class Sweep(Table):
     """A sweep file, version 1."""
 
     version: Literal[1] = Field(description="version of the file format: 1")
-    name: str = Field(pattern=NAME, max_length=100, description="name of the sweep")
+    name: str = Field(pattern=NAME, max_length=LONGEST, description="name of the sweep")
     sequences: list[str] = Field(
         min_length=1, description="names in the library, or .toml files beside this one; or shot files"
     )

@@ -67,6 +67,18 @@ def entries(run):
     return {entry["technique"]: entry for entry in content["sequences"]}
 
 
+def test_a_motion_that_does_not_fit_is_a_warning_of_every_build(swimlab, shot):
+    text = SHOT.replace("velocity = [-1.25, 0.625]", "velocity = [1.25, -0.625]\nunverified = true")
+    (shot / "shot.toml").write_text(text, encoding="utf-8")
+    (shot / "gate.toml").write_text('version = 1\n[[rule]]\nmetric = "budget.mse"\nmax = 1\n', encoding="utf-8")
+    assert swimlab("study", shot / "shot.toml", "-o", shot / "run", "-q")[0] == 0
+    warned = [entry["warnings"] for entry in entries(shot / "run").values()]
+    assert warned[0] == warned[1]
+    code, out, _ = swimlab("gate", shot / "gate.toml", shot / "run")
+    assert code == 0
+    assert "warning: glued, blink on corridor: motion not verified: " in out
+
+
 def test_every_mistake_is_told_at_once_with_its_key_and_a_hint(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text(
