@@ -1,5 +1,7 @@
 """Bands of distance: near, mid and far."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,11 @@ def describe(band: str) -> str:
     return {"near": f"nearer than {near}", "mid": f"{near} to {far}", "far": f"{far} and further"}[band]
 
 
+def of_depths(depth: NDArray[Any]) -> NDArray[np.intp]:
+    """The band index of each depth, m."""
+    return np.asarray(np.digitize(depth, EDGES))
+
+
 def of_tiles(clip: Clip, levels: list[Level], anchor: int) -> list[NDArray[np.intp]] | None:
     """For every level the band index [n] of each tile, by the depth at its centre in the anchor frame.
 
@@ -27,4 +34,4 @@ def of_tiles(clip: Clip, levels: list[Level], anchor: int) -> list[NDArray[np.in
     if distance is None:
         return None
     centres = (level.origin + level.size // 2 for level in levels)
-    return [np.digitize(distance[y, x], EDGES) for y, x in (centre.T for centre in centres)]
+    return [of_depths(distance[y, x]) for y, x in (centre.T for centre in centres)]

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from swimlab.footage.brought import requests_of
+from swimlab.footage.depth import Depth
 from swimlab.footage.moving import open_motion
 from swimlab.footage.reader import Reader, open_frames
 from swimlab.footage.reference import open_reference
@@ -39,6 +40,9 @@ class Pictures(Protocol):
         Raises FrameError as `read` does.
         """
 
+    def depth(self, frame: int) -> Image:
+        """[H, W] m along the camera's axis, 0 where there is no surface. Raises FrameError as `read` does."""
+
 
 def open_pictures(folder: Path, record: Record) -> Pictures:
     """The pictures of a run folder; nothing is read yet."""
@@ -68,6 +72,9 @@ class RenderedPictures:
             shape = (*self._size[::-1], 2)
             return lambda frame: np.broadcast_to(velocity * (frame - before.get(frame, frame - 1)), shape)
         return lambda frame: read_geometry(frame_path(self._folder, GEOMETRY, frame)).motion
+
+    def depth(self, frame: int) -> Image:
+        return read_geometry(frame_path(self._folder, GEOMETRY, frame)).depth
 
 
 Coverage = Callable[[int], Image]
@@ -119,6 +126,16 @@ class BroughtPictures:
             return field if known is None else np.where(known[..., None], field, np.float32(np.nan))
 
         return moved
+
+    def depth(self, frame: int) -> Image:
+        request = next(iter(self._requests.values()))
+        if request.depth is None:
+            raise FrameError("there is no depth")
+        check_unchanged({what: given for what, given in self._inputs.items() if what == "depth"})
+        with self._lock:
+            self._source(next(iter(self._requests)))
+        reader = open_frames(request.depth, frames=request.frames)
+        return Depth(reader, request).distance(self._numbers.index(frame)).astype(np.float32)
 
     def _source(self, technique: str) -> Source:
         """The frames of a build or of the reference; each has its own reader."""

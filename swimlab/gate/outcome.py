@@ -1,6 +1,6 @@
 """A gate put to runs, or to a sequence that is rendered first: the checks, the verdict and the exit code."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from swimlab.render.catalogue import techniques
 from swimlab.render.plan import make_plan
 from swimlab.render.run import render_run
 from swimlab.runs.counting import counted
-from swimlab.runs.entries import Entry, read_all, warnings_of
+from swimlab.runs.entries import Entry, Key, read_all, warnings_of
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import REFERENCE
 from swimlab.scoring.brought import measure_brought
@@ -81,7 +81,7 @@ def run_gate(path: Path, runs: Sequence[Path], *, provenance: dict[str, Any]) ->
     baseline = read_baseline(gate)
     entries = read_all(runs)
     measured = {entry.key: entry for entry in entries}
-    checks = [_with_evidence(check, measured) for check in judge(gate, entries, baseline)]
+    checks = _with_evidence(judge(gate, entries, baseline), measured)
     if not checks:
         raise GateError(f"{path}: every rule is off; a gate that checks nothing would always pass")
     found = {"runs": [str(run) for run in runs], **provenance}
@@ -115,10 +115,14 @@ def update_baseline(path: Path, runs: Sequence[Path], *, count: int | None, prov
     return baseline
 
 
-def _with_evidence(check: Check, measured: dict[tuple[str, str], Entry]) -> Check:
-    if check.status not in ("fail", "warn") or not check.limit:
-        return check
-    return replace(check, evidence=find_evidence(measured[check.sequence, check.technique], check.metric))
+def _with_evidence(checks: Sequence[Check], measured: Mapping[Key, Entry]) -> list[Check]:
+    """The checks, those beyond their limit with where they are worst."""
+    beyond: dict[Key, list[str]] = {}
+    for check in checks:
+        if check.status in ("fail", "warn") and check.limit:
+            beyond.setdefault(check.cell[:2], []).append(check.metric)
+    found = {key: find_evidence(measured[key], metrics) for key, metrics in beyond.items()}
+    return [replace(check, evidence=found.get(check.cell[:2], {}).get(check.metric)) for check in checks]
 
 
 def _check_json(check: Check) -> dict[str, Any]:

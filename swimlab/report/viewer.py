@@ -6,8 +6,8 @@ from typing import Any
 
 from swimlab.report.clips import Clip
 from swimlab.report.display import ERROR_COLOURS, ERROR_RANGE, ERROR_STEPS
+from swimlab.report.places import CHANGE, ERROR, worst_frames
 from swimlab.report.recorded import Run
-from swimlab.report.worst import CHANGE, ERROR, worst_frames
 from swimlab.runs.record import REFERENCE
 
 

@@ -1,7 +1,7 @@
 """Where each technique errs most and where it changes most: the frame, the region in it, and pictures of both."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -14,25 +14,18 @@ from swimlab.report.charts import drawing, drawn_text, number
 from swimlab.report.clips import Clip, Region
 from swimlab.report.display import COVERED, difference_codes, srgb
 from swimlab.report.figures import Figure
-from swimlab.report.following import same_surface, warped
 from swimlab.report.heat import image
+from swimlab.report.places import CHANGE, ERROR, cut, pair_into, to_blame, worst_frames, worst_region
 from swimlab.report.recorded import Run
-from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE
 
 Entry = Mapping[str, Any]
-
-SIDE = 64
-"""Width and height of a region, px, where the frame is as large."""
 
 NAMED = 3
 """Worst frames that are named."""
 
 SHOWN = 6
 """Techniques that are shown, at most: those whose worst frame is worst."""
-
-ERROR, CHANGE = ("mse", "frame_mse"), ("change", "edges_flicker")
-"""By which of an entry's values frames are ranked: the first that is known."""
 
 WIDTH = 420
 GAP = 6
@@ -48,40 +41,6 @@ class Worst:
     rms: float
     region: Region
     panels: dict[str, NDArray[np.uint8]]
-
-
-def worst_frames(rows: Iterable[Mapping[str, Any]], *keys: str) -> list[tuple[int, float]]:
-    """(frame, value) of an entry's rows by frame, the largest first, under the first key that any of them has."""
-    known = list(rows)
-    for key in keys:
-        found = [(int(row["frame"]), float(row[key])) for row in known if isinstance(row.get(key), int | float)]
-        if found:
-            return sorted(found, key=lambda each: -each[1])
-    return []
-
-
-def frame_before(rows: Iterable[Mapping[str, Any]], frame: int) -> int | None:
-    """The frame that an entry's rows by frame hold before this one."""
-    return max((int(row["frame"]) for row in rows if row["frame"] < frame), default=None)
-
-
-def to_blame(rows: Sequence[Mapping[str, Any]], frame: int) -> int | None:
-    """Of a frame and the one before it the one of the larger error, at fault for the change; None where unknown."""
-    errors, before = dict(worst_frames(rows, *ERROR)), frame_before(rows, frame)
-    if before not in errors or frame not in errors:
-        return None
-    return frame if errors[frame] >= errors[before] else before
-
-
-def worst_region(difference: Image, known: NDArray[np.bool_]) -> Region:
-    """The square (x, y, width, height) of the largest squared difference [H, W, 3], over pixels that are known."""
-    squared = np.where(known, np.square(difference.astype(np.float64)).sum(axis=2), 0.0)
-    height, width = squared.shape
-    w, h = min(SIDE, width), min(SIDE, height)
-    summed = np.pad(squared, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
-    boxes = summed[h:, w:] - summed[:-h, w:] - summed[h:, :-w] + summed[:-h, :-w]
-    y, x = np.unravel_index(int(np.argmax(boxes)), boxes.shape)
-    return int(x), int(y), w, h
 
 
 def worst(run: Run, entries: Sequence[Entry], clips: Sequence[Clip]) -> list[Figure]:
@@ -127,8 +86,8 @@ def _error(run: Run, entry: Entry) -> Worst | None:
     test, exact = (run.pictures.read(each, frame) for each in (name, REFERENCE))
     error = test[..., :3] - exact[..., :3]
     region = worst_region(error, exact[..., 3] >= COVERED)
-    panels = {name: srgb(_cut(test, region)), REFERENCE: srgb(_cut(exact, region))}
-    return _found(name, frames, region, panels | {"error": difference_codes(_cut(error, region))})
+    panels = {name: srgb(cut(test[..., :3], region)), REFERENCE: srgb(cut(exact[..., :3], region))}
+    return _found(name, frames, region, panels | {"error": difference_codes(cut(error, region))})
 
 
 def _flicker(run: Run, entry: Entry) -> Worst | None:
@@ -136,36 +95,23 @@ def _flicker(run: Run, entry: Entry) -> Worst | None:
     if not frames:
         return None
     frame, name = frames[0][0], entry["technique"]
-    place = run.frames.index(frame)
-    earlier = run.frames[max(0, place - 2) : place]
-    motion = run.pictures.motion((*earlier, frame))
-    now, before = (run.pictures.read(name, each) for each in (frame, earlier[-1]))
-    exact, exact_before = (
-        (run.pictures.read(REFERENCE, each) for each in (frame, earlier[-1])) if REFERENCE in run.techniques else (0, 0)
-    )
-    moved = motion(frame)
-    shown_before = warped(before - exact_before, moved)[..., :3]
-    change = (now - exact)[..., :3] - shown_before
-    known = np.isfinite(change).all(axis=2) & (now[..., 3] >= COVERED)
-    if len(earlier) > 1:
-        known &= same_surface(moved, motion(earlier[-1]))
-    change = np.where(known[..., None], change, 0)
-    region = worst_region(change, known)
-    panels = {f"frame {each}": srgb(_cut(picture, region)) for each, picture in ((earlier[-1], before), (frame, now))}
-    blamed: dict[int, float] = {}
-    for each, value in frames:
+    pair = pair_into(run.pictures, name, run.frames, frame, reference=REFERENCE in run.techniques)
+    region = worst_region(pair.change, pair.known)
+    panels = {
+        f"frame {each}": srgb(cut(picture[..., :3], region))
+        for each, picture in zip(pair.frames, pair.pictures, strict=True)
+    }
+    panels["change"] = difference_codes(cut(pair.change, region))
+    first, place = pair.fault(region) if REFERENCE in run.techniques else (frame, region)
+    blamed = {first: frames[0][1]}
+    for each, value in frames[1:]:
         worse = to_blame(entry["frames"], each)
         blamed.setdefault(each if worse is None else worse, value)
-    return _found(name, list(blamed.items()), region, panels | {"change": difference_codes(_cut(change, region))})
+    return _found(name, list(blamed.items()), place, panels)
 
 
 def _found(name: str, frames: list[tuple[int, float]], region: Region, panels: dict[str, NDArray[np.uint8]]) -> Worst:
     return Worst(name, [frame for frame, _ in frames[:NAMED]], math.sqrt(max(0.0, frames[0][1])), region, panels)
-
-
-def _cut(picture: Image, region: Region) -> Image:
-    x, y, width, height = region
-    return picture[y : y + height, x : x + width, :3]
 
 
 def _drawn(title: str, run: Run, found: Sequence[Worst], clips: Sequence[Clip]) -> str:

@@ -63,7 +63,7 @@ class Record:
 
     @staticmethod
     def read(run: Path) -> "Record":
-        """Read RUN/run.json. Raises RunError where it is missing, not of this version, or has a name that is none."""
+        """Read RUN/run.json. Raises RunError where it is missing, of another version, or has a path for a name."""
         path = run / "run.json"
         if not path.is_file():
             raise RunError(f"{path}: is missing; name a run folder that 'swimlab render' or 'study' wrote")
@@ -73,9 +73,8 @@ class Record:
             if version != VERSION:
                 raise RunError(f"{path}: has version {version!r}, this swimlab reads {VERSION}; render again")
             record = Record(**content)
-            for of, names in (("sequence", [record.sequence.get("name", "-")]), ("technique", record.techniques)):
-                for name in names:
-                    check_part(str(name), of)
+            for name in record.techniques:  # its folder
+                check_part(name, "technique")
             return record
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             if isinstance(error, RunError):

@@ -10,9 +10,9 @@ import pytest
 from gate_files import HASH, entry, write_gate, write_scores
 
 from swimlab.gate.evidence import ENLARGED, GAP, HEADER, Evidence, where_worst
-from swimlab.report.worst import SIDE
+from swimlab.report.places import SIDE
 from swimlab.runs.entries import read_entries
-from swimlab.runs.frames import frame_path, write_frame
+from swimlab.runs.frames import frame_path, read_frame, write_frame
 from swimlab.runs.record import Record
 
 SIZE = (160, 96)
@@ -30,10 +30,10 @@ def run(tmp_path):
     """A run of four frames; the test is brighter by .25 in 8 x 8 px, and far off where the road covers in part."""
     folder = tmp_path / "run"
     record = Record(
-        sequence={"name": "road-shift"},
+        sequence={"name": "road-shift", "size": list(SIZE)},
         settings={},
         hash=HASH,
-        uniform_velocity=(1.0, 0.0),
+        uniform_velocity=(0.0, 0.0),
         resizes=False,
         provenance={},
         frames=[0, 1, 2, 3],
@@ -55,8 +55,17 @@ def read_png(path):
     return oiio.ImageBuf(str(path)).get_pixels(oiio.UINT8)
 
 
-@pytest.mark.parametrize(("metric", "frame"), [("budget.flicker", 3), ("budget.mse", 1)])
-def test_a_failing_gate_names_frame_and_region_and_pictures_it(swimlab, run, tmp_path, metric, frame):
+@pytest.mark.parametrize(
+    ("metric", "frame", "codes"),
+    [
+        ("budget.mse", 1, [188, 137, 192]),  # sRGB of .5 and of .25, and an error of half the range above the middle
+        ("budget.flicker", 3, [188, 0, 1]),  # the frame before, the black one, and a change of the range
+    ],
+)
+def test_a_failing_gate_names_frame_and_region_and_pictures_it(swimlab, run, tmp_path, metric, frame, codes):
+    black = read_frame(frame_path(run, "tsl", 3))
+    black[SPOT[1] : SPOT[1] + 8, SPOT[0] : SPOT[0] + 8, :3] -= 0.5
+    write_frame(frame_path(run, "tsl", 3), black, half=False, metadata={})
     write_gate(tmp_path / "gate.toml", f'metric = "{metric}"\nmax = 1')
     code, out, _ = swimlab("gate", "gate.toml", "run")
     assert code == 1
@@ -68,8 +77,7 @@ def test_a_failing_gate_names_frame_and_region_and_pictures_it(swimlab, run, tmp
     assert picture.shape == (HEADER + ENLARGED * SIDE, 3 * ENLARGED * SIDE + 2 * GAP, 3)
     row, column = HEADER + ENLARGED * (SPOT[1] - y) + 1, ENLARGED * (SPOT[0] - x) + 1
     panels = [picture[row, column + place * (ENLARGED * SIDE + GAP)] for place in range(3)]
-    # sRGB of .5 and of .25, and an error of half the range above the middle.
-    assert [list(panel) for panel in panels] == [[188] * 3, [137] * 3, [192] * 3]
+    assert [list(panel) for panel in panels] == [[code] * 3 for code in codes]
 
 
 def test_a_warning_is_pictured_too_and_a_pass_is_not(swimlab, run, tmp_path):

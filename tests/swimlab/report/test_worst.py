@@ -12,8 +12,9 @@ from report_runs import FRAMES, SIZE, make_run
 
 from swimlab.report.clips import Clip
 from swimlab.report.following import same_surface, warped
+from swimlab.report.places import SIDE, worst_frames, worst_region
 from swimlab.report.recorded import Run, open_run
-from swimlab.report.worst import SHOWN, SIDE, worst, worst_frames, worst_region
+from swimlab.report.worst import SHOWN, worst
 from swimlab.runs.frames import frame_path, write_frame
 
 VELOCITY = (2, -1)

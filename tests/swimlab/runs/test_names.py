@@ -64,7 +64,6 @@ def test_a_run_from_elsewhere_leads_nowhere(tmp_path):
     record.write(tmp_path)
     assert Record.read(tmp_path) == record
     content = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))
-    for changed in ({"sequence": {"name": "../road"}}, {"techniques": ["tsl", "../../evil"]}):
-        (tmp_path / "run.json").write_text(json.dumps(content | changed), encoding="utf-8")
-        with pytest.raises(RunError, match=r"run\.json: is not a run description \(.* leads to another folder"):
-            Record.read(tmp_path)
+    (tmp_path / "run.json").write_text(json.dumps(content | {"techniques": ["tsl", "../../evil"]}), encoding="utf-8")
+    with pytest.raises(RunError, match=r"run\.json: is not a run description \(.* leads to another folder"):
+        Record.read(tmp_path)
