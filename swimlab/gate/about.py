@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from metrics.bands import BANDS
-from swimlab.report.places import frame_before, worst_frames
+from swimlab.report.places import worst_frames
 
 LOOKED = 8
 """Frames that are looked at for the worst of a score whose values by frame are not known."""
@@ -56,7 +56,7 @@ def about(metric: str) -> About | None:
 def frames_of(what: About, rows: Sequence[Mapping[str, Any]], *, reference: bool) -> list[int]:
     """The frames to look at, the likeliest first: the worst alone where the rows by frame tell of this very score."""
     if not what.keys:  # static: in every frame alike
-        paired = [int(row["frame"]) for row in rows if frame_before(rows, row["frame"]) is not None]
+        paired = sorted(frame for frame, _ in worst_frames(rows, "change"))
         chosen = np.linspace(0, len(paired) - 1, min(LOOKED, len(paired))).round().astype(int)
         return [paired[index] for index in chosen]
     ranked = [frame for frame, _ in worst_frames(rows, *what.keys)]
