@@ -13,9 +13,9 @@ def pixels(folder: Path) -> dict[str, bytes]:
 
 
 def entries(scores: Path) -> list[dict[str, Any]]:
-    """The scores of a scores.json, without when and where they were made, and without the keys they are kept by."""
+    """The scores of a scores.json, without when and where they and their pictures were made, and without their keys."""
     found = json.loads(scores.read_text(encoding="utf-8"))["sequences"]
-    return [{name: value for name, value in entry.items() if name != "key"} for entry in found]
+    return [{name: value for name, value in entry.items() if name not in ("key", "rendered")} for entry in found]
 
 
 def _decoded(path: Path) -> bytes:

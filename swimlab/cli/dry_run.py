@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from swimlab.render.plan import Plan
-from swimlab.render.run import earlier_record, outdated
+from swimlab.render.run import earlier_record, lacking, outdated
 from swimlab.runs.counting import counted
-from swimlab.runs.frames import frame_path
 
 
 def print_plans(plans: Sequence[Plan], runs: Sequence[Path], *, force: bool, json_output: bool = False) -> None:
@@ -43,4 +42,4 @@ def pictures_there(plan: Plan, run: Path, *, force: bool) -> int:
     if record is None:
         return 0
     kept = set(plan.techniques) - set(outdated(plan, record))
-    return sum(frame_path(run, name, frame).exists() for name in kept for frame in plan.frames)
+    return len(kept) * len(plan.frames) - len(lacking(plan, run, kept, plan.frames))

@@ -12,9 +12,10 @@ from swimlab.footage.shot import is_shot, load_shot
 from swimlab.footage.sources import changes
 from swimlab.render.plan import load_sequence
 from swimlab.report.sentences import listed, notes_of
+from swimlab.runs.beside import read_current
 from swimlab.runs.counting import counted
 from swimlab.runs.entries import read_entries
-from swimlab.runs.record import Record
+from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import read_scores
 
 
@@ -60,7 +61,8 @@ def info_command(what: str, /, *, json_output: Annotated[bool, Parameter(name="-
         print(f"time        {name}: {time['ms_per_frame']:.1f} ms a frame")
     for key, value in record.provenance.items():
         print(f"{key:<11} {value}")
-    print(f"measured    {'yes' if (Path(what) / 'scores.json').is_file() else 'no'}")
+    older = _why_unmeasured(Path(what))
+    print(f"measured    {'yes' if not older else f'no: {older}'}")
     return 0
 
 
@@ -74,7 +76,16 @@ def _as_json(what: str) -> dict[str, Any]:
         return _described(what)
     record = Record.read(Path(what))
     changed = {"changes": list(changes(record.inputs))} if record.inputs else {}
-    return {**vars(record), "measured": (Path(what) / "scores.json").is_file(), **changed}
+    return {**vars(record), "measured": not _why_unmeasured(Path(what)), **changed}
+
+
+def _why_unmeasured(run: Path) -> str:
+    """Why there are no scores of what a run folder holds; empty where there are."""
+    try:
+        read_current(run)
+    except RunError as error:
+        return str(error)
+    return ""
 
 
 def print_frames(name: str) -> int:

@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 from swimlab.cli.terminal import progress
 from swimlab.report.page import PAGE, write_report, write_report_folder
+from swimlab.runs.beside import read_current
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import merge_scores, read_scores, run_folders
 
@@ -33,7 +34,7 @@ def report_command(
     if not runs:
         raise RunError("report: name at least one run folder")
     folders = [path for run in runs for path in _in_order(run)]
-    scores = merge_scores([read_scores(path) for path in folders])
+    scores = merge_scores([read_current(path) for path in folders])
     if folder:
         page = (output or runs[0] / "report") / PAGE
         with progress("report", len(folders), quiet=quiet) as advance:

@@ -23,9 +23,10 @@ from swimlab.report.clips import Region, disputed_region
 from swimlab.report.display import ERROR_RANGE, srgb
 from swimlab.report.page import write_report
 from swimlab.report.recorded import open_run as open_recorded
+from swimlab.runs.beside import read_current
 from swimlab.runs.frames import Image
 from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.scores import read_scores, run_folders
+from swimlab.runs.scores import run_folders
 from swimlab.scoring.brought import measure_brought
 from swimlab.scoring.clips import run_clip
 from swimlab.scoring.measure import measure_run
@@ -43,10 +44,10 @@ class Study:
     """
 
     def __init__(self, folder: Path) -> None:
-        """Raises RunError where the folder holds no run, or none that has been measured."""
+        """Raises RunError where the folder holds no run, or none that has been measured since it was rendered."""
         self.folder = folder
         self._record = Record.read(folder)
-        self._content = read_scores(folder)
+        self._content = read_current(folder)
         run = open_recorded(folder)
         self._pictures = run.pictures
         self.sequence, self.techniques, self.frames = run.sequence, run.techniques, run.frames
@@ -241,7 +242,8 @@ def _study_shot(path: Path, builds: str | Sequence[str] | None, output: str | Pa
 def open_run(folder: str | Path) -> Study:
     """The study in a run folder that `swimlab study` or `swimlab render` and `measure` wrote.
 
-    Raises RunError where there is none, where it is not measured, and where there are several in folders of it.
+    Raises RunError where there is none, where it has not been measured since it was rendered, and where there are
+    several in folders of it.
     """
     found = run_folders(Path(folder))
     if len(found) > 1:

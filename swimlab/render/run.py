@@ -11,8 +11,9 @@ from swimlab.render.plan import Plan
 from swimlab.render.renderer import Rendered, Renderer, rms_error
 from swimlab.runs.files import clear_leftovers
 from swimlab.runs.frames import COLOUR, frame_path, read_channels, read_frame
-from swimlab.runs.provenance import provenance
+from swimlab.runs.provenance import moment, provenance
 from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
+from swimlab.runs.whole import is_whole
 
 
 def render_run(
@@ -25,7 +26,7 @@ def render_run(
     command: str = "",
     advance: Callable[[str], None] = lambda _: None,
 ) -> Record:
-    """Render every picture of the plan that the run folder does not hold yet; `force` renders all of them again.
+    """Render every picture of the plan that the run folder does not hold whole; `force` renders all of them again.
 
     `advance` is called with a technique's name after each of its pictures. Raises RunError where the folder holds a run
     of another settings hash, MapError for maps that cannot be used. An interrupt loses nothing that was written.
@@ -44,10 +45,10 @@ def render_run(
         try:
             for frame in plan.frames:
                 shot = renderer.shot(frame)
-                if force or not frame_path(run, GEOMETRY, frame).exists():
+                if force or not is_whole(run, GEOMETRY, frame, shot.view.height):
                     renderer.write_geometry(shot, run)
                 for name in plan.techniques:
-                    if force or not frame_path(run, name, frame).exists():
+                    if force or not is_whole(run, name, frame, shot.view.height):
                         picture = renderer.write_picture(shot, name, run)
                         rendered[name].append(picture)
                         if picture.rms_error is not None:
@@ -83,8 +84,7 @@ def finished(plan: Plan, run: Path) -> Record | None:
         return None
     if REFERENCE in plan.techniques and {str(frame) for frame in plan.frames} - set(record.reference_rms_error):
         return None
-    pictures = (frame_path(run, name, frame) for name in (GEOMETRY, *plan.techniques) for frame in plan.frames)
-    return record if all(path.exists() for path in pictures) else None
+    return None if lacking(plan, run, (GEOMETRY, *plan.techniques), plan.frames) else record
 
 
 def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
@@ -104,12 +104,15 @@ def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
             provenance={},
         )
         _remove_pictures(run, [*techniques(), GEOMETRY, ERROR])
+        anew = set(plan.techniques)
     else:
         record, stale = before, outdated(plan, before)
         _remove_pictures(run, stale)
+        anew = _rendered_anew(plan, run, before)
         record.techniques = [name for name in before.techniques if name not in stale]
         record.times = {name: times for name, times in before.times.items() if name not in stale}
     record.sequence, record.provenance = plan.sequence_in_full(), provenance(command)
+    record.rendered |= dict.fromkeys(sorted(anew), moment())
     record.code |= {name: code for name, code in own_code().items() if name in plan.techniques}
     return record
 
@@ -135,6 +138,20 @@ def earlier_record(plan: Plan, run: Path, *, force: bool) -> Record | None:
         f"{run}: holds a run of other settings (hash {before.hash}, now {plan.digest()}); "
         "choose another folder with -o, or write over it with --force"
     )
+
+
+def lacking(plan: Plan, run: Path, names: Iterable[str], frames: Iterable[int]) -> list[tuple[str, int]]:
+    """Of some techniques, or the geometry, and frames those (name, frame) that the run folder does not hold whole."""
+    heights = {frame: plan.sequence.view(frame).height for frame in frames}
+    return [(name, frame) for name in names for frame in heights if not is_whole(run, name, frame, heights[frame])]
+
+
+def _rendered_anew(plan: Plan, run: Path, before: Record) -> set[str]:
+    """The techniques of which scores may be that are older than the pictures will be: all that was there and is not."""
+    there = [name for name in (GEOMETRY, *before.techniques) if name in (GEOMETRY, *plan.techniques)]
+    lost = {name for name, _ in lacking(plan, run, there, [frame for frame in before.frames if frame in plan.frames])}
+    shared = set(before.techniques) if lost & {GEOMETRY, REFERENCE} else set()
+    return shared | (lost - {GEOMETRY}) | (set(plan.techniques) - set(before.techniques))
 
 
 def outdated(plan: Plan, record: Record) -> list[str]:

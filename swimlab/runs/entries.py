@@ -9,8 +9,9 @@ from typing import Any
 
 from metrics.display import STANDARD
 from sequences.viewing import Viewing
+from swimlab.runs.beside import folder_of, hashes_of, reading
 from swimlab.runs.names import check_part
-from swimlab.runs.record import Record, RunError
+from swimlab.runs.record import RunError
 from swimlab.runs.scores import read_scores, scores_path
 
 Key = tuple[str, str]
@@ -78,15 +79,11 @@ def read_entries(run: Path) -> list[Entry]:
     """
     path = scores_path(run)
     content = read_scores(run)
-    try:
-        entries = content["sequences"]
-        names = list(dict.fromkeys(entry["sequence"] for entry in entries))
-        hashes = _hashes(path, content["provenance"].get("hash"), names)
-        found = [_entry(path, content["provenance"], hashes[entry["sequence"]], entry) for entry in entries]
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        if isinstance(error, RunError):
-            raise
-        raise RunError(f"{path}: is not a file of scores ({error!r}); measure the run again") from error
+    with reading(path):
+        hashes = hashes_of(path, content)
+        found = [
+            _entry(path, content["provenance"], hashes[entry["sequence"]], entry) for entry in content["sequences"]
+        ]
     if not found:
         raise RunError(f"{path}: holds no scores; render a technique beside the reference and measure the run")
     return found
@@ -115,19 +112,10 @@ def number(values: Mapping[str, float], name: str) -> float | None:
     return None if value is None or not isfinite(value) else value
 
 
-def _hashes(path: Path, joined: str | None, names: Sequence[str]) -> dict[str, str | None]:
-    """The settings hash of each sequence: one for all, or joined with commas in the order of a study's runs."""
-    hashes: list[str | None] = list(joined.split(", ")) if joined else [None]
-    hashes = hashes * len(names) if len(hashes) == 1 else hashes
-    if len(hashes) != len(names):
-        raise RunError(f"{path}: has {len(hashes)} settings hashes for {len(names)} sequences; name the run folders")
-    return dict(zip(names, hashes, strict=True))
-
-
 def _entry(path: Path, provenance: dict[str, Any], digest: str | None, content: dict[str, Any]) -> Entry:
     sequence = _name(path, content, "sequence")
     frames, curves = content.get("frames", []), content.get("curves", {})
-    folder = _folder(path.parent, sequence, digest)
+    folder = folder_of(path, content, digest)
     if "hash" in content:  # builds of a shot have settings of their own
         digest, provenance = content["hash"], {**provenance, "settings": content["settings"]}
     return Entry(
@@ -195,18 +183,3 @@ def _extent(frames: Sequence[dict[str, Any]], curves: dict[str, dict[str, list[A
         return ",".join(map(str, numbers))
     step = steps.pop()
     return f"{numbers[0]}-{numbers[-1]}" + (f"x{step}" if step != 1 else "")
-
-
-def _folder(folder: Path, sequence: str, digest: str | None) -> Path | None:
-    """The run folder of a sequence, beside its scores or one below. Raises RunError where it holds another run."""
-    for run in (folder, folder / sequence):
-        if (run / "run.json").is_file():
-            record = Record.read(run)
-            if record.sequence.get("name") == sequence:
-                if digest is not None and record.hash != digest:
-                    raise RunError(
-                        f"{run}: was rendered again since it was measured (hash {record.hash}, scores {digest}); "
-                        f"measure it: swimlab measure {run}"
-                    )
-                return run
-    return None

@@ -26,6 +26,9 @@ STRIP = 64
 WRITTEN = "1970:01:01 00:00:00"
 """The date in every file, in place of the present one: the same picture is the same bytes. run.json has the date."""
 
+AGAIN = "delete it and give the command that rendered it again"
+"""How a picture of a run is mended."""
+
 
 class FrameError(ValueError):
     """A frame file that cannot be read or is not what was asked for; the message names the file."""
@@ -121,7 +124,7 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
 
     source = oiio.ImageInput.open(oiio_name(path))
     if source is None:
-        raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}")
+        raise FrameError(f"{path}: cannot be opened: {oiio.geterror()}; {AGAIN}")
     names = list(source.spec().channelnames)
     missing = [name for name in channels if name not in names]
     if missing:
@@ -131,7 +134,7 @@ def read_channels(path: Path, channels: tuple[str, ...], *, rows: tuple[int, int
     pixels = read_pixels(source, wanted, rows=None if rows is None else (top + rows[0], top + rows[1]))
     source.close()
     if pixels is None:
-        raise FrameError(f"{path}: is damaged: {source.geterror()}")
+        raise FrameError(f"{path}: is damaged: {source.geterror()}; {AGAIN}")
     return pixels
 
 

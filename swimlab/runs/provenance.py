@@ -1,6 +1,7 @@
 """Where an output comes from: versions, machine, command and date."""
 
 import time
+from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
@@ -21,3 +22,8 @@ def provenance(command: str) -> dict[str, Any]:
         "command": command,
         "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
+
+
+def moment() -> str:
+    """The time, UTC, to the microsecond: no two renderings into a folder begin at one."""
+    return datetime.now(UTC).isoformat()

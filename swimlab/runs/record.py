@@ -37,6 +37,8 @@ class Record:
     sequence: the sequence file's content with every default and every technique's settings filled in.
     times: per technique, the medians of the ms that a frame took to render and of the samples, texels or vertices that
         were shaded for it, and over how many frames.
+    rendered: for each technique, when its pictures, or those that they are measured against, were last rendered anew.
+        More frames do not count. Scores carry it, to be known for older than the pictures.
     code: for each technique from a folder of your own, the hash of its file.
     reference_rms_error: per frame, the reference's own standard error, rms over RGB and wholly covered pixels.
     inputs: of frames that were brought and stay where they are: input (a build's name, "reference", "motion", ...) ->
@@ -52,6 +54,7 @@ class Record:
     techniques: list[str] = field(default_factory=list)
     frames: list[int] = field(default_factory=list)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
+    rendered: dict[str, str] = field(default_factory=dict)
     code: dict[str, str] = field(default_factory=dict)
     reference_rms_error: dict[str, float] = field(default_factory=dict)
     inputs: dict[str, dict[str, Any]] = field(default_factory=dict)

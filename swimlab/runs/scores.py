@@ -66,11 +66,14 @@ def _with_settings(scores: dict[str, Any]) -> list[dict[str, Any]]:
 def write_scores(
     run: Path, record: Record, entries: list[dict[str, Any]], *, domain: str, command: str = ""
 ) -> dict[str, Any]:
-    """Write scores.json and frames.csv into a run's folder; return the content of the former."""
+    """Write scores.json and frames.csv into a run's folder; return the content of the former.
+
+    Each entry says when the pictures were rendered that it is of.
+    """
     scores = {
         "version": VERSION,
         "provenance": {**provenance(command), "domain": domain, "hash": record.hash, "rendering": record.provenance},
-        "sequences": entries,
+        "sequences": [{**entry, "rendered": record.rendered.get(entry["technique"])} for entry in entries],
     }
     write_content(run, scores)
     return scores

@@ -10,6 +10,7 @@ from swimlab.render.plan import Plan
 from swimlab.render.run import earlier_record, open_record, outdated
 from swimlab.runs.files import replacing
 from swimlab.runs.frames import frame_path
+from swimlab.runs.provenance import moment
 from swimlab.runs.record import ERROR, GEOMETRY, REFERENCE, Record, RunError
 from swimlab.sweep.chunk import Chunk, Chunks
 from swimlab.sweep.render import read_rows
@@ -30,6 +31,7 @@ def assemble(plan: Plan, chunks: Chunks, out: Path, *, command: str) -> tuple[Pa
     record = open_record(plan, run, force=True, command=command)
     record.techniques = [name for name in plan.techniques if name in done]
     record.frames = list(plan.frames)
+    record.rendered = dict.fromkeys(record.techniques, moment())
     record.times, record.reference_rms_error = {}, {}
     for name, parts in done.items():
         rows = [row for part in parts for row in read_rows(part, out)]
