@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+from collections.abc import Iterable
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -11,9 +12,11 @@ import swimlab.render.brdfs
 import swimlab.render.techniques
 from metrics.plugins import added, discover, extend, retract
 from sequences import Sequence
+from sequences.names import check_name
 from swimlab.render.brdf import Brdf, Model
 from swimlab.render.settings import Settings
 from swimlab.render.technique import Technique
+from swimlab.runs.record import PARTS
 
 FOLDERS = "SWIMLAB_TECHNIQUES"
 """Environment variable: folders with your own techniques, separated as in PATH."""
@@ -23,17 +26,18 @@ FOLDERS = "SWIMLAB_TECHNIQUES"
 def techniques() -> dict[str, Technique]:
     """Every technique by its name, including the ones in the folders of SWIMLAB_TECHNIQUES.
 
-    Raises ValueError as `extend` and `discover` do; it names SWIMLAB_TECHNIQUES where the fault is in these folders.
+    Raises ValueError as `add_techniques` does; it names SWIMLAB_TECHNIQUES where the fault is in these folders.
     """
     given = os.environ.get(FOLDERS, "")
     try:
         for folder in filter(None, given.split(os.pathsep)):
-            extend(swimlab.render.techniques, Path(folder))
+            _extend(Path(folder))
         found = discover(swimlab.render.techniques, "TECHNIQUE")
         for module in added(swimlab.render.techniques):
             _code(module)
+        _check_case(found)
         return found
-    except (ValueError, SyntaxError, ImportError, AttributeError) as error:
+    except ValueError as error:
         if not given:
             raise
         raise ValueError(f"{FOLDERS}={given}: {error}; mend the file, or unset the variable") from error
@@ -42,18 +46,48 @@ def techniques() -> dict[str, Technique]:
 def add_techniques(folder: str | Path) -> list[str]:
     """Add the techniques in a folder of your own, one a file; return their names.
 
-    A folder that is added again is read again. Raises ValueError as `extend` and `discover` do; the folder is then not
-    added.
+    A folder that is added again is read again. Raises ValueError as `extend` and `discover` do, and naming a file that
+    fails, defines no technique, or one whose name cannot be that of a folder in a run; the folder is then not added.
     """
-    modules = extend(swimlab.render.techniques, Path(folder))
-    techniques.cache_clear()
     try:
+        names = _extend(Path(folder))
+        techniques.cache_clear()
         techniques()
     except BaseException:
         retract(swimlab.render.techniques, Path(folder))
         techniques.cache_clear()
         raise
-    return sorted(import_module(module).TECHNIQUE.name for module in modules)
+    return sorted(names)
+
+
+def _extend(folder: Path) -> list[str]:
+    """Let the techniques in a folder be found; their names. Raises ValueError naming the file that is at fault."""
+    names = []
+    for module in extend(swimlab.render.techniques, folder):
+        path = folder / f"{module.rpartition('.')[2]}.py"
+        try:
+            names.append(_check(import_module(module).TECHNIQUE))
+        except Exception as error:  # whatever your own code raises
+            kind = "" if type(error) is ValueError else f"{type(error).__name__}: "
+            raise ValueError(f"{path}: {kind}{error}") from error
+    return names
+
+
+def _check(technique: object) -> str:
+    """The name of what a file defines as TECHNIQUE, by which its folder in a run is called. Raises ValueError."""
+    if not isinstance(technique, Technique):
+        raise ValueError("TECHNIQUE is no Technique; swimlab.render's docstring has an example")
+    if technique.name.casefold() in PARTS:
+        raise ValueError(f"{technique.name!r} is what a run calls a part of its own: name the technique otherwise")
+    return check_name(technique.name, "a technique")
+
+
+def _check_case(names: Iterable[str]) -> None:
+    """Raise ValueError where names would be those of one folder on systems that take no heed of case."""
+    known: dict[str, str] = {}
+    for name in names:
+        if (other := known.setdefault(name.casefold(), name)) != name:
+            raise ValueError(f"{other!r} and {name!r}: techniques differ by more than case; name one otherwise")
 
 
 def own_code() -> dict[str, str]:

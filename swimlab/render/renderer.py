@@ -54,11 +54,12 @@ class Renderer:
     def write_picture(self, shot: Shot, name: str, folder: Path) -> Rendered:
         """Render a technique and write FOLDER/NAME/FRAME.exr; before that its standard error, where it is known.
 
-        Raises RunError for a picture that the file cannot hold.
+        Raises RunError for what is no picture of the frame, and for a picture that the file cannot hold.
         """
         started = time.perf_counter()
         picture = self._renders[name](shot)
         ms = 1e3 * (time.perf_counter() - started)
+        check_form(picture, name, shot.frame, (shot.view.height, shot.view.width, len(COLOUR)))
         check_range(picture, name, shot.frame, half=self._plan.half)
         error = None
         if picture.error is not None:
@@ -74,6 +75,21 @@ def rms_error(rgba: Image, error: Image) -> float:
     """Root of the mean squared standard error over RGB and the wholly covered pixels; 0 where there is none."""
     covered = rgba[..., 3] == 1.0
     return float(np.sqrt(np.mean(np.square(error[covered][:, :3], dtype=np.float64)))) if covered.any() else 0.0
+
+
+def check_form(picture: object, name: str, frame: int, shape: tuple[int, int, int]) -> None:
+    """Raise RunError for what a technique gives other than a picture of floats of this shape, as its error is too."""
+    told = f"{name}, frame {frame}: the technique should give a Picture"
+    if not isinstance(picture, Picture):
+        raise RunError(f"{told}, and gave {type(picture).__name__}; mend its file")
+    for what, pixels in (("rgba", picture.rgba), ("error", picture.error)):
+        if what == "error" and pixels is None:
+            continue
+        if not isinstance(pixels, np.ndarray) or pixels.shape != shape or pixels.dtype.kind != "f":
+            given = f"{pixels.dtype} {list(pixels.shape)}" if isinstance(pixels, np.ndarray) else type(pixels).__name__
+            raise RunError(f"{told} whose {what} is an array of floats {list(shape)}, and gave {given}; mend its file")
+    if not isinstance(picture.shaded, int | np.integer):
+        raise RunError(f"{told} whose shaded is a whole number, and gave {picture.shaded!r}; mend its file")
 
 
 def check_range(picture: Picture, name: str, frame: int, *, half: bool) -> None:

@@ -108,7 +108,7 @@ def open_record(plan: Plan, run: Path, *, force: bool, command: str) -> Record:
     else:
         record, stale = before, outdated(plan, before)
         _remove_pictures(run, stale)
-        anew = _rendered_anew(plan, run, before)
+        anew = {*before.techniques, *plan.techniques} if force else _rendered_anew(plan, run, before)
         record.techniques = [name for name in before.techniques if name not in stale]
         record.times = {name: times for name, times in before.times.items() if name not in stale}
     record.sequence, record.provenance = plan.sequence_in_full(), provenance(command)

@@ -21,8 +21,8 @@ BELOW = 48.0
 
 def class_map(entry: Mapping[str, Any]) -> tuple[str, str]:
     """An SVG of the classes of pixels, mean over the frames, and what to see in it; both "" where there is none."""
-    curve = entry.get("curves", {}).get("frame.map")
-    if not curve:
+    curve, scores = entry.get("curves", {}).get("frame.map"), entry["scores"]
+    if not curve or not {"measured.fraction", "edges.fraction", "new.fraction"} <= scores.keys():
         return "", ""
     shares = {name: levels_of(curve[name]) / 100 for name in CLASSES}
     colours = np.sum([share[..., None] * rgb(CLASSES[name]) for name, share in shares.items()], axis=0)
@@ -33,7 +33,6 @@ def class_map(entry: Mapping[str, Any]) -> tuple[str, str]:
         left = LEFT + place * WIDTH / 3
         body.append(f'<rect x="{left:.1f}" y="{box[3] + 14:.1f}" width="12" height="12" fill="{CLASSES[name]}"/>')
         body.append(drawn_text(left + 18, box[3] + 24, text, "start"))
-    scores = entry["scores"]
     sentence = (
         f"Of the covered pixels tiles reach {scores['measured.fraction']:.0%}, of which budget, residual and plane "
         f"speak; edges.* speak of {scores['edges.fraction']:.0%}, new.* of {scores['new.fraction']:.0%}. "

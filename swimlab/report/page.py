@@ -50,10 +50,11 @@ def write_report(
 
     scores: the content of scores.json. picture_budget: bytes of the viewer's pictures, all runs together; None: what
     leaves room for those of the charts.
-    Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity and for two runs of
-    one sequence, and FrameError for a missing frame.
+    Raises RunError for a folder without run.json, ReportError for scores that hold NaN or infinity, for a sequence
+    whose surface is in no pixel and for two runs of one sequence, and FrameError for a missing frame.
     """
     _refuse_nan(scores)
+    _refuse_bare(scores)
     opened = _open(runs)
     budget = max(BUDGET // 4, BUDGET - CHARTS * len(opened)) if picture_budget is None else picture_budget
     clips = choose_clips(opened, scores["sequences"], budget)
@@ -74,6 +75,7 @@ def write_report_folder(
     `write_report` does, and ReportError where `destination` is anything else.
     """
     _refuse_nan(scores)
+    _refuse_bare(scores)
     refuse_strange_folder(destination)
     opened = _open(runs)
     clear_leftovers(destination.parent, destination.name)
@@ -145,6 +147,17 @@ def flatten(tree: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
         else:
             pairs.append((f"{prefix}{key}", value if isinstance(value, str) else json.dumps(value, default=str)))
     return pairs
+
+
+def _refuse_bare(scores: Mapping[str, Any]) -> None:
+    """Raise ReportError for a sequence of which nothing could be measured, of one size or of several."""
+    for entry in scores["sequences"]:
+        scales = entry.get("curves", {}).get("scale", {}).get("scale")
+        if entry["scores"].get("covered.fraction") == 0 or scales == []:
+            raise ReportError(
+                f"{entry['sequence']}: the surface covers no pixel wholly in any frame, so there is nothing to measure "
+                "or to report; let the camera see more of it, or mend the mask"
+            )
 
 
 def _refuse_nan(scores: Mapping[str, Any]) -> None:

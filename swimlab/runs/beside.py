@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from swimlab.runs.names import check_part
 from swimlab.runs.record import Record, RunError
 from swimlab.runs.scores import read_scores, scores_path
 
@@ -50,7 +51,7 @@ def folder_of(path: Path, entry: Mapping[str, Any], digest: str | None) -> Path 
     digest: the settings hash of its sequence. Raises RunError where the folder has been rendered again since. Not for
     code alone where the file is a copy with a name of its own, as one from before a change is: it has no folder then.
     """
-    sequence, own = str(entry["sequence"]), path.name == "scores.json"
+    sequence, own = check_part(str(entry["sequence"]), "sequence"), path.name == "scores.json"
     held = {run: Record.read(run) for run in (path.parent, path.parent / sequence) if (run / "run.json").is_file()}
     found = {run: record for run, record in held.items() if record.sequence.get("name") == sequence}
     for run, record in found.items():

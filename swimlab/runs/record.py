@@ -25,6 +25,12 @@ The error has the precision of the pictures: halves where the pictures are halve
 RESERVED = (REFERENCE, GEOMETRY, ERROR, "motion", "depth", "mask")
 """What no build may be called: a run has folders or inputs of these names."""
 
+PARTS = (
+    *(GEOMETRY, ERROR, "targets", "gate", "report", "measured"),
+    *("run.json", "scores.json", "frames.csv", "report.html", "contact.png"),
+)
+"""What no technique may be called, whose folder lies in a run beside these folders and files."""
+
 
 class RunError(ValueError):
     """A run that cannot be used as asked; the message says why and how to mend it."""

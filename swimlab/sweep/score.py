@@ -52,7 +52,7 @@ def measure_missing(run: Path, files: dict[str, Path], domain: Domain, chunks: I
     except FrameError as error:
         if not (removed := remove_damaged(chunks)):
             raise
-        raise FrameError(f"{error}: of its chunks {len(removed)} are damaged and now removed") from error
+        raise FrameError(f"{error}; of its chunks {len(removed)} were damaged and are removed already") from error
     for entry in entries:
         write_json(files[entry["technique"]], entry)
 

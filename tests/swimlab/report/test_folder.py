@@ -21,7 +21,9 @@ from swimlab.runs.frames import FrameError, frame_path, read_frame
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = make_run(tmp_path_factory.mktemp("run"))
-    (folder / "scores.json").write_text(json.dumps(make_scores() | {"provenance": {"hash": "5e77"}}), encoding="utf-8")
+    (folder / "scores.json").write_text(
+        json.dumps(make_scores() | {"provenance": {"hash": "5e771465"}}), encoding="utf-8"
+    )
     return folder
 
 
@@ -81,7 +83,7 @@ def test_a_missing_frame_leaves_the_old_folder_alone(tmp_path: Path) -> None:
 def test_runs_keep_the_order_given_or_that_of_the_study(tmp_path: Path) -> None:
     for name in "abc":
         run = make_run(tmp_path / name, sequence=name)
-        scores = make_scores(sequence=name) | {"provenance": {"hash": name}}
+        scores = make_scores(sequence=name) | {"provenance": {"hash": "5e771465"}}
         (run / "scores.json").write_text(json.dumps(scores), encoding="utf-8")
     page = tmp_path / "page.html"
 

@@ -281,7 +281,7 @@ def test_damage_is_found_named_and_mended(swimlab, sweep, tmp_path):
     code, _, err = swimlab(*command)
     assert code == 2
     assert "tsl/0001.exr: is damaged" in err
-    assert "of its chunks 1 are damaged and now removed" in err
+    assert "of its chunks 1 were damaged and are removed already" in err
     assert not frame.parents[1].exists()
     assert swimlab(*command)[0] == 0
     assert entries(out / "scores.json") == scores
