@@ -11,13 +11,15 @@ from scipy import ndimage
 from swimlab.footage.convention import Convention
 from swimlab.footage.latest import Latest
 from swimlab.footage.reader import Reader
-from swimlab.footage.readings import other_conventions, other_velocities
+from swimlab.footage.readings import OTHER_FILES, other_conventions, other_velocities
 from swimlab.footage.source import Box, Mask
 from swimlab.footage.vectors import Known, Vectors
 from swimlab.runs.frames import Image
 
 Points = NDArray[np.float64]
 
+_AWAY = 1e6
+"""Vectors that lead out of every picture."""
 _TOLERANCE = 1e-4
 _ROUNDS = 30
 
@@ -78,6 +80,7 @@ class FieldMotion:
         self.channels = channels
         self.convention = convention
         self.vectors = Vectors(reader, part, channels, convention, size=size, crop=crop, mask=mask)
+        self._stored = self.vectors.stored
         self.factors = self._factors_of(convention)
         """What stored (x, y) less the offset are multiplied with to be px of the frames, right and down."""
 
@@ -113,13 +116,28 @@ class FieldMotion:
 
     def variants(self) -> dict[str, tuple[str, Motion]]:
         others = other_conventions(self.convention, self.channels, self.vectors.reader.header.size)
-        return {name: (setting, self._read_as(convention)) for name, (convention, setting) in others.items()}
+        found: dict[str, tuple[str, Motion]] = {
+            name: (setting, self._read_as(convention)) for name, (convention, setting) in others.items()
+        }
+        return found | {name: (setting, self._of_files(by)) for name, (by, setting) in OTHER_FILES.items()}
 
     def _read_as(self, convention: Convention) -> Motion:
         """The same files, read once for all readings."""
         other = copy(self)
         other.convention = convention
         other.factors = self._factors_of(convention)
+        if convention.channels == (self.channels[::-1],):
+            other._stored = lambda index: self._stored(index)[..., ::-1]
+        return other
+
+    def _of_files(self, by: int) -> Motion:
+        """Each frame by the file of another; out of the picture where that one is not known to be good."""
+        other = copy(self)
+        other._stored = lambda index: (
+            self._stored(index + by)
+            if self.vectors.surveyed(index + by)
+            else np.full((*self._stored(index).shape[:2], 2), _AWAY, np.float32)
+        )
         return other
 
     def _factors_of(self, convention: Convention) -> NDArray[np.float32]:
@@ -127,12 +145,12 @@ class FieldMotion:
 
     def _field(self, index: int) -> Image:
         """[H, W, 2] px right and down, in the convention's direction."""
-        return (self.vectors.stored(index) - np.array(self.convention.offset, np.float32)) * self.factors
+        return (self._stored(index) - np.array(self.convention.offset, np.float32)) * self.factors
 
     def _vectors(self, index: int, points: Points) -> Points:
         """(y, x) px at points."""
         offset = np.array(self.convention.offset[::-1])[:, None]
-        return np.asarray((sample(self.vectors.stored(index), points) - offset) * self.factors[::-1, None])
+        return np.asarray((sample(self._stored(index), points) - offset) * self.factors[::-1, None])
 
     def _step(self, points: Points, index: int) -> Points:
         """One frame back from `index`."""

@@ -7,6 +7,12 @@ from typing import get_args
 from swimlab.footage.convention import PRESETS, Convention, Direction, Unit, guess
 
 _FLIPS = {"": (1, 1), "x flipped": (-1, 1), "y flipped": (1, -1), "both flipped": (-1, -1)}
+_SWAPPED = "x and y swapped"
+OTHER_FILES = {
+    "one frame late": (1, "each file of vectors for the frame before its own: number them one lower"),
+    "one frame early": (-1, "each file of vectors for the frame after its own: number them one higher"),
+}
+"""Name -> whose vectors a frame has, as a difference of indices, and what mends it."""
 _LENGTHS = {"of half the length": 0.5, "of twice the length": 2.0}
 
 
@@ -23,6 +29,10 @@ def other_conventions(
         if _meaning(other, size) not in known:
             known.add(_meaning(other, size))
             found[name] = other, _setting(now, other, channels)
+    for flip in _FLIPS:
+        other = replace(_flipped(now, flip), channels=(channels[::-1],))
+        options = f"--motion-channels {channels[1]},{channels[0]} {_options(now, other)}"
+        found[_named(_SWAPPED, flip)] = other, options.strip()
     return found
 
 
@@ -32,12 +42,18 @@ def other_velocities(
     """Name -> another velocity, px a frame, that (dx, dy) may stand for, and the option that gives it."""
     found: dict[str, tuple[tuple[float, float], str]] = {}
     known = {velocity}
-    for name, other in _others(Convention()):
-        x, y = (part * float(factor) for part, factor in zip(velocity, other.factors(size), strict=True))
+    swapped = [(_named(_SWAPPED, flip), (velocity[1] * x, velocity[0] * y)) for flip, (x, y) in _FLIPS.items()]
+    for name, (x, y) in [*_read_as_others(velocity, size), *swapped]:
         if (x, y) not in known:
             known.add((x, y))
             found[name] = (x, y), f"--motion {x:g},{y:g}"
     return found
+
+
+def _read_as_others(velocity: tuple[float, float], size: tuple[int, int]) -> Iterator[tuple[str, tuple[float, float]]]:
+    for name, other in _others(Convention()):
+        x, y = (part * float(factor) for part, factor in zip(velocity, other.factors(size), strict=True))
+        yield name, (x, y)
 
 
 def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
@@ -47,17 +63,18 @@ def _others(now: Convention) -> Iterator[tuple[str, Convention]]:
     for unit in units:
         for direction in directions:
             for flip in _FLIPS:
-                named = (
-                    f"in {unit}" if unit != now.unit else "",
-                    direction if direction != now.direction else "",
-                    flip,
-                )
-                yield ", ".join(filter(None, named)), replace(_flipped(now, flip), unit=unit, direction=direction)
+                other_unit = f"in {unit}" if unit != now.unit else ""
+                named = (other_unit, direction if direction != now.direction else "", flip)
+                yield _named(*named), replace(_flipped(now, flip), unit=unit, direction=direction)
     for length, factor in _LENGTHS.items():
         for flip in _FLIPS:
             other = _flipped(now, flip)
             scale = (other.scale[0] * factor, other.scale[1] * factor)
-            yield ", ".join(filter(None, (length, flip))), replace(other, scale=scale)
+            yield _named(length, flip), replace(other, scale=scale)
+
+
+def _named(*parts: str) -> str:
+    return ", ".join(filter(None, parts))
 
 
 def _presets(channels: tuple[str, str]) -> Iterator[tuple[str, Convention]]:
@@ -99,6 +116,11 @@ def _setting(now: Convention, other: Convention, channels: tuple[str, str]) -> s
             first, *more = names
             also = f" (or {', '.join(more)}: they mean the same here)" if more else ""
             return f"--motion-convention {first}{also}"
+    return _options(now, other)
+
+
+def _options(now: Convention, other: Convention) -> str:
+    """Single options that make one convention the other, but for its channels."""
     options = []
     if other.unit != now.unit:
         options.append(f"--motion-unit {other.unit}")

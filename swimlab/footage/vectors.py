@@ -85,6 +85,10 @@ class Vectors:
         self._surveyed, self._unknown = frozenset(wanted), frozenset(found)
         return found
 
+    def surveyed(self, index: int) -> bool:
+        """Whether the last survey could read a frame."""
+        return index in self._surveyed
+
     def whole(self, indices: Iterable[int]) -> bool:
         """Whether the last survey found all vectors known, in these frames too."""
         return not self._unknown and self._surveyed.issuperset(indices)

@@ -16,16 +16,15 @@ import numpy as np
 
 from swimlab.footage.check import factor
 from swimlab.footage.check.baseline import Scale, fit_scale
-from swimlab.footage.check.events import FEW, every_nth, find_cuts, find_jumps, repeated_frames, stray_shifts
+from swimlab.footage.check.events import every_nth, find_cuts, find_jumps, find_strays, repeated_frames
 from swimlab.footage.check.grey import Frames
-from swimlab.footage.check.jitter import integrated
 from swimlab.footage.check.lucas_kanade import Values
+from swimlab.footage.check.misfit import frames_said, jitter_of, misfit_of, most_said
 from swimlab.footage.check.pairs import PairFit, fit_pairs
 from swimlab.footage.check.regions import find_region
 from swimlab.footage.check.verdict import Verification, events_said, jumps_said, region_said
 from swimlab.footage.check.weighing import CLEAR, LEAST, POOR, Weighing, against_flow, weigh
 from swimlab.footage.motion import Motion
-from swimlab.footage.pattern import frame_range
 from swimlab.footage.warping import GIVEN, IDENTITY
 from swimlab.runs.frames import Image
 
@@ -74,10 +73,10 @@ def verify(
         pairs = fit_pairs(motion, grey, shown)
     cuts = find_cuts(pairs, grey)
     pairs = [pair for pair in pairs if pair.late not in cuts]
-    strays = stray_shifts(pairs, grey)
-    astray = [pair.late for pair, stray in zip(pairs, strays, strict=True) if stray.any()]
-    few = len(astray) <= FEW * len(pairs)
-    run = _longest_run(shown, {*cuts, *(astray if few else ())})
+    strays = find_strays(pairs, grey)
+    misfit = misfit_of(strays, pairs)
+    astray = [stray.late for stray in strays] if misfit == "frames" else []
+    run = _longest_run(shown, {*cuts, *astray})
     if len(run) < 2:
         said = events_said(cuts, repeated, 0, number)
         return _doubt(Verification(cuts=tuple(cuts), repeated=tuple(repeated)), "no two frames belong together", said)
@@ -89,8 +88,8 @@ def verify(
         residuals=weighing.residuals,
         residual=float(np.median([pair.given for pair in pairs])) if pairs else None,
         scale=factor.told(scale),
-        frames=tuple(astray if few else ()),
-        jitter=0.0 if few else float(np.sqrt((integrated(pairs, max(frames) + 1)[frames] ** 2).sum(axis=1).mean())),
+        frames=tuple(astray),
+        jitter=jitter_of(pairs) if misfit == "jitter" else 0.0,
         cuts=tuple(cuts),
         repeated=tuple(repeated),
     )
@@ -112,13 +111,11 @@ def verify(
             f"given {found.residual:.3f}. Take it out with --motion-jitter FILE, or estimate"
         )
         return _refuse(found, text, said)
-    if astray:
-        furthest = strays[np.argmax(np.hypot(*strays.T))]
-        text = (
-            f"does not fit frames {frame_range([number(index) for index in astray])}: the picture moves there by up to "
-            "{:.2g},{:.2g} px more. Mend these vectors".format(*(furthest + 0.0))
-        )
-        if np.hypot(*furthest) >= SLIGHT:
+    if misfit == "most":
+        return _refuse(found, most_said(strays, pairs), said)
+    if strays:
+        text = frames_said(strays, number)
+        if max(stray.length for stray in strays) >= SLIGHT:
             return _refuse(found, text, said)
         return _doubt(replace(found, verdict="partly"), text, said)
     if GIVEN not in weighing.rivals:

@@ -1,5 +1,6 @@
-"""What happens in a clip: frames that are shown again, cuts, frames whose vectors are wrong, jitter in all of them."""
+"""What happens in a clip: frames that are shown again, cuts, frames whose vectors are wrong."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -39,7 +40,7 @@ _FLOWN = 0.3
 MOST = 0.6
 """... and if this share of the points fits better with it: half do by chance, or where a few points rule."""
 FEW = 0.34
-"""Up to this share of pairs that stray is a fault of single frames, more is jitter."""
+"""Up to this share of pairs that stray is a fault of single frames."""
 _SMOOTH = 9
 """Pairs over which a camera's own motion changes little."""
 
@@ -100,31 +101,47 @@ def _alike(frames: Frames, late: int, early: int) -> bool:
     return like(points) or like(EstimatedMotion(frames.picture).back(points, late, early))
 
 
-def stray_shifts(pairs: list[PairFit], frames: Frames) -> Values:
-    """[n, 2] (x, y) px that each pair's motion lacks beside what its neighbours lack; 0 where that may be noise."""
+@dataclass(frozen=True)
+class Stray:
+    """A pair that another motion explains. late: its later frame. lacking: (x, y) px that its motion lacks.
+
+    left: by that other motion, as `PairFit.given` has it.
+    """
+
+    late: int
+    lacking: Values
+    left: float
+
+    @property
+    def length(self) -> float:
+        """px that the motion lacks."""
+        return float(np.hypot(*self.lacking))
+
+
+def find_strays(pairs: list[PairFit], frames: Frames) -> list[Stray]:
+    """Pairs whose motion lacks something beside what their neighbours lack, beyond what may be noise."""
     shifts = np.array([pair.shift for pair in pairs]).reshape(-1, 2)
     usual = float(np.median([pair.given for pair in pairs])) if pairs else 0.0
-    strays = np.zeros_like(shifts)
+    strays: list[Stray] = []
     for k, pair in enumerate(pairs):
         near = shifts[max(0, k - _SMOOTH // 2) : k + _SMOOTH // 2 + 1]
         stray = shifts[k] - np.median(near, axis=0)
         sure = np.hypot(*stray) > max(STRAY, SURE * float(np.hypot(*np.where(np.isfinite(pair.error), pair.error, 0))))
         if sure and pair.better > MOST and pair.rigid**2 <= (1 - MENDED) * pair.given**2:
-            strays[k] = stray
+            strays.append(Stray(pair.late, stray, pair.rigid))
         elif pair.given > max(_LEAP * usual, _WORTH):
-            strays[k] = _flown(pair, frames)
+            strays += _flown(pair, frames)
     return strays
 
 
-def _flown(pair: PairFit, frames: Frames) -> Values:
-    """(x, y) px that a pair's motion lacks at the median where optical flow explains the pair; else 0."""
+def _flown(pair: PairFit, frames: Frames) -> list[Stray]:
+    """The pair, with what its motion lacks at the median, where optical flow explains it; else nothing."""
     points = frames.points(pair.late)
     places = EstimatedMotion(frames.picture).back(points, pair.late, pair.early)
     seen = frames.seen(places, pair.early)
     points, places = points[:, seen], places[:, seen]
     target = frames.grey(pair.late).codes[tuple(points.astype(np.intp))]
-    left = np.sqrt(mean_square(frames.grey(pair.early).at(places) - target)) / pair.spread
-    if left > _FLOWN * pair.given:
-        return np.zeros(2)
+    left = float(np.sqrt(mean_square(frames.grey(pair.early).at(places) - target))) / pair.spread
     lacking = np.median(points - places, axis=1)[::-1] - pair.travel
-    return np.asarray(lacking if np.hypot(*lacking) > STRAY else np.zeros(2))
+    fits = left <= _FLOWN * pair.given and np.hypot(*lacking) > STRAY
+    return [Stray(pair.late, lacking, left)] if fits else []

@@ -84,7 +84,9 @@ def region_said(region: Region) -> str:
     left, top, right, bottom = region.box
     moves = "{:.2g},{:.2g} px a frame".format(*(round(float(part), 3) + 0.0 for part in region.shift))
     why = f"it has no vectors there, while the picture moves by {moves}" if region.zero else f"it lacks {moves} there"
-    return f"does not fit at x {left}-{right - 1}, y {top}-{bottom - 1} ({region.fraction:.0%} of what is seen): {why}"
+    mend = "Write vectors there" if region.zero else "Mend the vectors there"
+    where = f"x {left}-{right - 1}, y {top}-{bottom - 1} ({region.fraction:.0%} of what is seen)"
+    return f"does not fit at {where}: {why}. {mend}, or leave the place out with --mask"
 
 
 def ordinal(n: int) -> str:
