@@ -142,6 +142,7 @@ TOLERANCES: dict[str, Tolerance] = {
     "resampled vectors": Tolerance(1e-3, "px; linear between vectors 2.5 px apart, curved by 1e-4 px/px^2"),
     "factor of a motion": Tolerance(5e-3, "noise of .05, a third of the picture: 3.5e-3 measured; of .02: 1e-3"),
     "jitter": Tolerance(0.08, "px; offsets of pairs are known to .005 px, and summed over 15 of them: .065 measured"),
+    "shift of a reference": Tolerance(0.03, "px; noise of .02 at 8000 points, said to two digits: .01 measured"),
     "estimated motion": Tolerance(0.15, "px; DIS flow on 8-bit codes of a road at 160x90: .05 measured"),
     "video code": Tolerance(0.03, "linear; 8-bit codes of limited range and lossy chroma: .021 measured at .5"),
     "bloom at an octave": Tolerance(1e-7, "the radius differs by 2e-9; radiance up to 8"),

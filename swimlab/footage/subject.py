@@ -9,6 +9,7 @@ import numpy as np
 from metrics import Clip
 from swimlab.footage.check.jitter import estimate_jitter
 from swimlab.footage.check.picture import write_region
+from swimlab.footage.check.placing import misplaced
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.check.verdict import Verification
 from swimlab.footage.jitter import JitteredMotion
@@ -19,7 +20,7 @@ from swimlab.footage.reference import curve_between
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.source import Look, Source, least
 from swimlab.footage.verify import verify
-from swimlab.runs.frames import Image
+from swimlab.runs.frames import FrameError, Image
 
 PICTURE = "motion_check.png"
 
@@ -49,10 +50,14 @@ class Subject(Opened):
         super().__init__(request, say, warn)
         self.like = like if like is not None and self._moves_as(like) else self
         """The first build whose motion, coverage and reference are this one's."""
+        self._misplaced = self._compare_places()
+        """How the reference stands otherwise than the test, in words; empty where it does not."""
         if self.like is self:
             self._find_motion(pictures)
         else:
             self._take_motion(self.like)
+        if self._misplaced:
+            self._beware(self._misplaced)
         self._compare_curves()
 
     def _find_motion(self, pictures: Path | None) -> None:
@@ -119,6 +124,11 @@ class Subject(Opened):
         known = self.motion.known(self.kept[1], self.kept[0]) is not None
         return least([*filter(None, [stated]), *([self._known] if known else [])])
 
+    def _compare_places(self) -> str:
+        if self.reference is None:
+            return ""
+        return misplaced(self.test.picture, self.reference.picture, self._stated_coverage(), self.kept)
+
     def _compare_curves(self) -> None:
         """Warn where test and reference differ by a transfer curve."""
         if self.reference is not None:
@@ -159,6 +169,11 @@ class Subject(Opened):
             write_region(path, source.picture(self.kept[len(self.kept) // 2]), found.region)
             self._say(f"{path}: where the motion does not fit")
         if not self.request.unverified:
+            if found.error and self._misplaced:
+                raise FrameError(
+                    f"--reference {source.reader.name}: {self._misplaced}. The motion does not fit it either: mend the "
+                    "reference first, or measure all the same with --motion-unverified"
+                )
             found.check()
         if found.note:
             self.note(found.note)

@@ -63,9 +63,14 @@ class Frames:
 
     def block_of(self, points: Points) -> NDArray[np.intp]:
         """[n], the block that points lie in."""
-        row = np.clip(points[0] * ROWS / self.shape[0], 0, ROWS - 1).astype(np.intp)
-        return np.asarray(row * COLUMNS + np.clip(points[1] * COLUMNS / self.shape[1], 0, COLUMNS - 1).astype(np.intp))
+        return block_of(points, self.shape)
 
     def _grey(self, index: int) -> Grey:
         covered = None if self.coverage is None else self.coverage(index) >= WHOLE
         return Grey(self.picture(index), self._typical, covered)
+
+
+def block_of(points: Points, shape: tuple[int, ...]) -> NDArray[np.intp]:
+    """[n], the block of a picture that points lie in."""
+    row = np.clip(points[0] * ROWS / shape[0], 0, ROWS - 1).astype(np.intp)
+    return np.asarray(row * COLUMNS + np.clip(points[1] * COLUMNS / shape[1], 0, COLUMNS - 1).astype(np.intp))
