@@ -79,7 +79,13 @@ def misplaced(test: Pictures, reference: Pictures, coverage: Pictures | None, fr
     of them are read, one after another.
     """
     places = sorted({round(place) for place in np.linspace(0, len(frames) - 1, _SAMPLED + 2)[1:-1]})
-    seen = [found for place in places if (found := _look(test, reference, coverage, frames, place)) is not None]
+    seen: list[_Seen] = []
+    for place in places:
+        # Where one is fitted by none beside its own, these are not read any more: what is named fits each better.
+        beside = 0 if any(_settles(each) for each in seen) else FURTHEST
+        found = _look(test, reference, coverage, frames, place, beside)
+        if found is not None:
+            seen.append(found)
     if len(seen) < _FEWEST:
         return ""
     shift = _shift_of([each.fit for each in seen])
@@ -98,9 +104,10 @@ def misplaced(test: Pictures, reference: Pictures, coverage: Pictures | None, fr
 
 
 def _look(
-    test: Pictures, reference: Pictures, coverage: Pictures | None, frames: list[int], place: int
+    test: Pictures, reference: Pictures, coverage: Pictures | None, frames: list[int], place: int, beside: int
 ) -> _Seen | None:
-    """One frame of the test; None where too little is covered or differs."""
+    """One frame of the test, and so many of the reference beside its own; None where too little is covered or
+    differs."""
     index = frames[place]
     shown = test(index)
     shape = shown.shape[:2]
@@ -123,11 +130,16 @@ def _look(
     own.codes += target.mean() - own.codes[rows, columns].mean()
     fit = fit_displacement(target, own, points, sides(points.shape[1]), block_of(points, shape), start)
     moments = {0: left}
-    for later in range(-FURTHEST, FURTHEST + 1):
+    for later in range(-beside, beside + 1):
         there = place + later
         if later and 0 <= there < len(frames) and frames[there] == index + later:
             moments[later] = _share(_grey(reference(index + later), points).codes[rows, columns], target)
     return _Seen(moments, {"": left} | mirrored, fit)
+
+
+def _settles(seen: _Seen) -> bool:
+    """Whether all frames beside the reference's own were tried, and none is the better one."""
+    return len(seen.moments) == 2 * FURTHEST + 1 and min(seen.moments.values()) >= EACH * seen.moments[0]
 
 
 def _grey(picture: Image, points: Points) -> Grey:
