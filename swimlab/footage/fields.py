@@ -1,6 +1,6 @@
 """Files of motion vectors, opened for the frames that they belong to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -26,11 +26,13 @@ def open_fields(
     crop: Box | None,
     mask: Mask | None,
     part: str | None,
+    places: Sequence[int],
     note: Callable[[str], None],
     say: Callable[[str], None],
 ) -> FieldMotion:
     """The motion in files of vectors, one a frame.
 
+    places: of the frames among the vectors, by index: more than one apart where frames are skipped.
     size: width and height of the frames. kept: indices of the frames that are measured. crop: in the frames' px. mask:
     where vectors are valid, None: everywhere. part: of the files, by name, view or index. note, say: called with what
     the scores should keep, and with what else there is to know. Raises FrameError where a file that is needed cannot be
@@ -47,13 +49,14 @@ def open_fields(
         f"motion from {','.join(channels)}: {convention.unit}, {convention.direction}, +y {convention.y}, "
         f"scale {convention.scale[0]:g},{convention.scale[1]:g}{offset}"
     )
-    needed = range(kept[0], kept[-1] + 1)
+    needed = range(places[kept[0]], places[kept[-1]] + 1)
     needed = needed[1:] if convention.direction == "backward" else needed[:-1]
     problems = reader.problems(index, channels)
     for frame in needed:
         if frame in problems:
-            raise FrameError(f"{problems[frame]} (motion vectors of skipped frames are needed too)")
-    motion = FieldMotion(reader, index, channels, convention, crop, size=size, mask=mask)
+            fault = problems[frame].partition("; ")[0]
+            raise FrameError(f"{fault}; write it anew: motion vectors of skipped frames are needed too")
+    motion = FieldMotion(reader, index, channels, convention, crop, size=size, mask=mask, places=places)
     if size != reader.header.size:
         note("motion vectors of {}x{} px are resampled for frames of {}x{} px".format(*reader.header.size, *size))
     _note_steps(motion, reader, index, note)

@@ -1,7 +1,8 @@
 """How the picture content of your own frames moves: uniformly, by files of vectors, or estimated."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -41,29 +42,51 @@ class Motion(Protocol):
 
 
 class UniformMotion:
-    """The whole picture moves by the same (dx, dy) px every frame."""
+    """The whole picture moves by the same (dx, dy) px every frame, those that are skipped among them."""
 
-    def __init__(self, velocity: tuple[float, float], shape: tuple[int, int]) -> None:
+    def __init__(
+        self, velocity: tuple[float, float], shape: tuple[int, int], numbers: Sequence[int] | None = None
+    ) -> None:
+        """numbers: of the frames, by index; None: none is skipped."""
         self.velocity = velocity
         self._shape = shape
+        self._numbers = numbers
 
     def back(self, points: Points, start: int, stop: int) -> Points:
-        return np.asarray(points - (start - stop) * np.array(self.velocity[::-1])[:, None])
+        return np.asarray(points - self._apart(start, stop) * np.array(self.velocity[::-1])[:, None])
 
     def moved(self, start: int, stop: int) -> Image:
-        step = (start - stop) * np.array(self.velocity, np.float32)
+        step = self._apart(start, stop) * np.array(self.velocity, np.float32)
         return np.broadcast_to(step, (*self._shape, 2))
+
+    def step(self, frames: Sequence[int]) -> tuple[float, float] | None:
+        """(dx, dy) px from each of some frames to the next; None where they are not evenly apart."""
+        first, *others = (self._apart(late, early) for early, late in pairwise(frames))
+        return None if {*others} - {first} else (first * self.velocity[0], first * self.velocity[1])
+
+    @property
+    def apart(self) -> float:
+        """Mean number of frames from an index to the next: more than 1 where some are skipped."""
+        numbers = self._numbers
+        return 1 if numbers is None or len(numbers) < 2 else (numbers[-1] - numbers[0]) / (len(numbers) - 1)
+
+    def _apart(self, start: int, stop: int) -> int:
+        """Frames from one to the other."""
+        return start - stop if self._numbers is None else self._numbers[start] - self._numbers[stop]
 
     def known(self, start: int, stop: int) -> Known | None:
         return None
 
     def variants(self) -> dict[str, tuple[str, Motion]]:
         others = other_velocities(self.velocity, self._shape[::-1])
-        return {name: (setting, UniformMotion(velocity, self._shape)) for name, (velocity, setting) in others.items()}
+        return {
+            name: (setting, UniformMotion(velocity, self._shape, self._numbers))
+            for name, (velocity, setting) in others.items()
+        }
 
 
 class FieldMotion:
-    """A file of motion vectors a frame."""
+    """A file of motion vectors a frame, of frames that are skipped too."""
 
     def __init__(
         self,
@@ -75,8 +98,13 @@ class FieldMotion:
         *,
         size: tuple[int, int] | None = None,
         mask: Mask | None = None,
+        places: Sequence[int] | None = None,
     ) -> None:
-        """size: width and height of the frames; None: that of the vectors. crop: in the frames' px."""
+        """size: width and height of the frames; None: that of the vectors. crop: in the frames' px.
+
+        places: of the frames among the vectors, by index; None: no frame is skipped.
+        """
+        self._places = places
         self.channels = channels
         self.convention = convention
         self.vectors = Vectors(reader, part, channels, convention, size=size, crop=crop, mask=mask)
@@ -85,19 +113,21 @@ class FieldMotion:
         """What stored (x, y) less the offset are multiplied with to be px of the frames, right and down."""
 
     def back(self, points: Points, start: int, stop: int) -> Points:
-        for index in range(start, stop, -1):
+        for index in range(self._place(start), self._place(stop), -1):
             points = self._step(points, index)
         return points
 
     def moved(self, start: int, stop: int) -> Image:
-        if start == stop + 1 and self.convention.direction == "backward":
-            return self._field(start)
-        height, width = self._field(start).shape[:2]
+        late, early = self._place(start), self._place(stop)
+        if late == early + 1 and self.convention.direction == "backward":
+            return self._field(late)
+        height, width = self._field(late).shape[:2]
         points = np.indices((height, width), dtype=np.float64).reshape(2, -1)
         travelled = points - self.back(points, start, stop)
         return np.moveaxis(travelled[::-1].reshape(2, height, width), 0, 2).astype(np.float32)
 
     def known(self, start: int, stop: int) -> Known | None:
+        start, stop = self._place(start), self._place(stop)
         backward = self.convention.direction == "backward"
         if self.vectors.whole(range(stop + 1, start + 1) if backward else range(stop, start)):
             return None
@@ -120,6 +150,10 @@ class FieldMotion:
             name: (setting, self._read_as(convention)) for name, (convention, setting) in others.items()
         }
         return found | {name: (setting, self._of_files(by)) for name, (by, setting) in OTHER_FILES.items()}
+
+    def _place(self, index: int) -> int:
+        """The place of a frame among the vectors."""
+        return index if self._places is None else self._places[index]
 
     def _read_as(self, convention: Convention) -> Motion:
         """The same files, read once for all readings."""

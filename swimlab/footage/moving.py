@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
+from swimlab.footage.between import lacking_between, with_between
 from swimlab.footage.fields import open_fields
 from swimlab.footage.jitter import with_jitter_of_file
 from swimlab.footage.motion import EstimatedMotion, Motion, UniformMotion
@@ -17,11 +18,15 @@ Say = Callable[[str], None]
 
 
 class Moving(NamedTuple):
-    """A motion, what to call it, and width and height of its files of vectors if it has any."""
+    """A motion, what to call it, and width and height of its files of vectors if it has any.
+
+    lacking: what its files lack, which may be why it does not fit.
+    """
 
     kind: str
     motion: Motion
     size: list[int] | None = None
+    lacking: str = ""
 
 
 class Match(Protocol):
@@ -46,7 +51,7 @@ def open_motion(
         return Moving("estimated", EstimatedMotion((reference or test).picture))
     velocity = request.velocity
     if velocity is not None:
-        moving = Moving("uniform", UniformMotion(velocity, test.shape))
+        moving = Moving("uniform", UniformMotion(velocity, test.shape, test.reader.numbers))
     else:
         moving = _open_files(request, request.motion, test, kept, match, note, say)
     if request.motion_jitter in (None, ESTIMATE):
@@ -75,12 +80,24 @@ def _open_files(
 ) -> Moving:
     if is_video(name):
         raise FrameError(f"--motion {name}: a video holds no motion vectors; give EXR files")
+    numbers = test.reader.numbers
     reader = open_frames(name, frames=request.frames)
     match(reader, "motion")
+    reader, places = with_between(reader, numbers, frames=request.frames)
+    lacking = lacking_between(numbers, places)
+    if lacking:
+        note(lacking)
     mask = None
     if request.motion_mask is not None:
         masks = open_frames(request.motion_mask, frames=request.frames)
         match(masks, "motion-mask", still=True)
+        if len(masks.numbers) > 1:
+            masks, theirs = with_between(masks, numbers, frames=request.frames)
+            if theirs != places:
+                raise FrameError(
+                    f"--motion-mask {masks.name}: frames are skipped, and the motion vectors of these are there, but "
+                    "not their masks, or the other way round; give both or none"
+                )
         channel, part = request.motion_mask_channels, request.motion_mask_part
         mask = Mask(masks, None, channel=channel, part=part, prefix="motion-mask-")
     motion = open_fields(
@@ -91,7 +108,8 @@ def _open_files(
         crop=request.look.crop,
         part=request.motion_part,
         mask=mask,
+        places=places,
         note=note,
         say=say,
     )
-    return Moving("fields", motion, list(reader.header.size))
+    return Moving("fields", motion, list(reader.header.size), lacking)

@@ -65,6 +65,14 @@ def parse_pattern(path: PurePath) -> Pattern | None:
     return Pattern(path.parent, before, after, _width(token["padding"]), token["range"])
 
 
+def without_range(name: str) -> str:
+    """The name of a pattern without the frame numbers that it names itself: f.1-48x2####.exr as f.####.exr."""
+    pattern = None if Path(name).is_file() else parse_pattern(Path(name))
+    if pattern is None or pattern.range is None:
+        return name
+    return str(Path(pattern.folder) / f"{pattern.before}%0{pattern.width}d{pattern.after}")
+
+
 def holds_frames(name: str) -> bool:
     """Whether a name is that of frames: a pattern, an image or video file, or a folder of them that is no run."""
     path = Path(name)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from metrics.machine import cores
+from swimlab.footage.between import find_vectors
 from swimlab.footage.pattern import find_files, is_video
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.runs.frames import FrameError
@@ -44,7 +45,8 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     for what, name in names.items():
         try:
             if name is not None:
-                paths = find_files(name, frames=first.frames).paths
+                find = find_vectors if what in ("motion", "motion mask") else find_files
+                paths = find(name, frames=first.frames).paths
                 found[what] = Given(name, [path for path in paths if path.is_file()])
         except FrameError as error:
             problems.append(f"{what}: {error}" if what in requests and len(requests) > 1 else str(error))

@@ -65,10 +65,10 @@ class Subject(Opened):
         moving = open_motion(
             self.request, self.test, self.reference, self.kept, match=self._match_count, note=self.note, say=self._say
         )
-        self.motion_kind, self.motion, self.motion_size = moving
+        self.motion_kind, self.motion, self.motion_size, lacking = moving
         if self.request.motion_jitter == ESTIMATE:
             self.motion = self._without_estimated_jitter()
-        self.checked = self._verify(pictures)
+        self.checked = self._verify(pictures, lacking)
         """How well the motion fits the frames."""
         self._of_motion = self.notes[noted:]
 
@@ -104,7 +104,7 @@ class Subject(Opened):
             return motion.moved(kept[t], kept[t - 1])
 
         whole = self.kept == list(range(self.kept[0], self.kept[-1] + 1))
-        uniform = motion.velocity if isinstance(motion, UniformMotion) and whole else None
+        uniform = motion.step(kept) if isinstance(motion, UniformMotion) and whole else None
         coverage = self._coverage()
         return Clip(
             frame=lambda t: source.picture(kept[t]),
@@ -155,8 +155,11 @@ class Subject(Opened):
         side = self.request.motion_jitter_in
         return JitteredMotion(self.motion, excess if side == "vectors" else -excess, side)
 
-    def _verify(self, pictures: Path | None) -> Verification:
-        """Hold the motion against the frames. Raises FrameError where it is wrong, unless that is asked for."""
+    def _verify(self, pictures: Path | None, lacking: str) -> Verification:
+        """Hold the motion against the frames. Raises FrameError where it is wrong, unless that is asked for.
+
+        lacking: what may be why.
+        """
         source, clean = self.reference or self.test, self.reference is not None
         coverage, numbers = self._coverage(), self.test.reader.numbers
         if self.motion_kind in ("uniform", "fields"):
@@ -164,6 +167,8 @@ class Subject(Opened):
         else:
             given = self.motion_kind == "none"
             found = verify_still(source.picture, coverage, self.kept, clean=clean, given=given, numbers=numbers)
+        if found.error and lacking:
+            found = replace(found, error=f"{found.error}; but {lacking}")
         if pictures is not None and found.region is not None:
             path = pictures / PICTURE
             write_region(path, source.picture(self.kept[len(self.kept) // 2]), found.region)

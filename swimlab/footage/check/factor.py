@@ -86,7 +86,7 @@ def per_new_frame(motion: Motion, share: float) -> dict[str, tuple[str, Reading]
 
 def _setting(motion: Motion, factor: NDArray[np.float64], drift: NDArray[np.float64]) -> str:
     if isinstance(motion, UniformMotion):
-        x, y = np.array(motion.velocity) * factor + drift
+        x, y = np.array(motion.velocity) * factor + drift / motion.apart
         return f"--motion {x:.4g},{y:.4g}"
     if isinstance(motion, FieldMotion) and not drift.any():
         x, y = np.array(motion.convention.scale) * factor

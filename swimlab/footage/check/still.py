@@ -51,14 +51,18 @@ def verify_still(
 
     given: False: the motion is estimated, so that cuts alone are looked for.
     """
+
+    def number(index: int) -> int:
+        return index if numbers is None else numbers[index]
+
     grey = Frames(picture, coverage, frames)
     pairs = fit_pairs(UniformMotion((0.0, 0.0), grey.shape), grey, frames)
     cuts = find_cuts(pairs, grey, moving=True)
     pairs = [pair for pair in pairs if pair.late not in cuts]
-    said = events_said(cuts, [], 0, lambda index: index if numbers is None else numbers[index])
+    said = events_said(cuts, [], 0, number)
     residual = float(np.median([pair.given for pair in pairs])) if pairs and given else None
     found = Verification(residual=residual, cuts=tuple(cuts), note=said)
-    moving = _judge(grey, pairs) if given else None
+    moving = _judge(grey, pairs, number) if given else None
     if moving is None:
         calm = residual is not None and residual <= POOR
         return replace(found, verdict="verified" if calm else "unchecked")
@@ -70,8 +74,11 @@ def verify_still(
     return replace(found, verdict="partly", doubt=text)
 
 
-def _judge(frames: Frames, pairs: list[PairFit]) -> Moving | None:
-    """What optical flow finds in a few pairs that were taken to stand still; None where nothing moves."""
+def _judge(frames: Frames, pairs: list[PairFit], number: Callable[[int], int]) -> Moving | None:
+    """What optical flow finds in a few pairs that were taken to stand still; None where nothing moves.
+
+    number: of a frame, by its index.
+    """
     changing = [pair for pair in pairs if pair.change > _CALM]
     if not changing or len(changing) < len(pairs) / 2:
         return None
@@ -86,7 +93,7 @@ def _judge(frames: Frames, pairs: list[PairFit]) -> Moving | None:
         target = frames.grey(pair.late).codes[tuple(points.astype(np.intp))]
         still, flowed = (mean_square(frames.grey(pair.early).at(each) - target) for each in (points, places))
         shares.append(np.sqrt(flowed / still) if still > 0 else 1.0)
-        moved.append((points - places)[::-1] / (pair.late - pair.early))
+        moved.append((points - places)[::-1] / (number(pair.late) - number(pair.early)))
     reach = min(float(np.quantile(np.hypot(*each), _REACH)) for each in moved)
     velocities = np.array([np.median(each, axis=1) for each in moved])
     strays = np.hypot(*(velocities - velocities.mean(axis=0)).T)

@@ -249,6 +249,7 @@ def test_sizes_of_upscalers_are_of_one_view(size):
         crop=None,
         mask=None,
         part=None,
+        places=[0, 1],
         note=notes.append,
         say=notes.append,
     )
