@@ -7,15 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from metrics import Clip
+from swimlab.footage.check.grey import Frames
 from swimlab.footage.check.jitter import estimate_jitter
 from swimlab.footage.check.picture import write_region
 from swimlab.footage.check.placing import misplaced
+from swimlab.footage.check.repeats import every_nth, repeated_in, repeats_said
 from swimlab.footage.check.still import verify_still
 from swimlab.footage.check.verdict import Verification
 from swimlab.footage.jitter import JitteredMotion
 from swimlab.footage.motion import Motion, UniformMotion
 from swimlab.footage.moving import open_motion
 from swimlab.footage.opened import Opened
+from swimlab.footage.pattern import frame_range
 from swimlab.footage.reference import curve_between
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.source import Look, Source, least
@@ -59,6 +62,7 @@ class Subject(Opened):
         if self._misplaced:
             self._beware(self._misplaced)
         self._compare_curves()
+        self._look_for_repeats()
 
     def _find_motion(self, pictures: Path | None) -> None:
         noted = len(self.notes)
@@ -136,6 +140,21 @@ class Subject(Opened):
             text = curve_between(self.test, self.reference, index, None if coverage is None else coverage(index))
             if text:
                 self._beware(text)
+
+    def _look_for_repeats(self) -> None:
+        """Warn of frames that the test shows again, and the reference, whose own are known by now, does not."""
+        if self.reference is None:
+            return
+        found = repeated_in(Frames(self.test.picture, self._coverage(), self.kept), self.kept, self.motion)
+        repeated = [index for index in found if index not in self.checked.repeated]
+        if repeated:
+            numbers = self.test.reader.numbers
+            new = frame_range([numbers[index] for index in self.kept if index not in repeated])
+            said = repeats_said(repeated, every_nth(repeated, self.kept), numbers.__getitem__, of=" of the test")
+            self._beware(
+                f"{said}, while the reference moves on: what it lags behind is measured as error and flicker; give "
+                f"each frame once, or measure the new ones with --frames {new}"
+            )
 
     def _known(self, index: int) -> Image:
         """[H, W], 1 where it is known how a kept frame's surface moved since the kept one before, else 0."""

@@ -16,12 +16,13 @@ import numpy as np
 
 from swimlab.footage.check import factor
 from swimlab.footage.check.baseline import Scale, fit_scale
-from swimlab.footage.check.events import every_nth, find_cuts, find_jumps, find_strays, repeated_frames
+from swimlab.footage.check.events import find_cuts, find_jumps, find_strays
 from swimlab.footage.check.grey import Frames
 from swimlab.footage.check.lucas_kanade import Values
 from swimlab.footage.check.misfit import frames_said, jitter_of, misfit_of, most_said
 from swimlab.footage.check.pairs import PairFit, fit_pairs
 from swimlab.footage.check.regions import find_region
+from swimlab.footage.check.repeats import every_nth, repeated_frames
 from swimlab.footage.check.verdict import Verification, events_said, jumps_said, region_said
 from swimlab.footage.check.weighing import CLEAR, LEAST, POOR, Weighing, against_flow, weigh
 from swimlab.footage.motion import Motion

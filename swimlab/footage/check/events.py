@@ -1,4 +1,4 @@
-"""What happens in a clip: frames that are shown again, cuts, frames whose vectors are wrong."""
+"""What happens in a clip: cuts, frames whose vectors are wrong."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,12 +10,6 @@ from swimlab.footage.check.lucas_kanade import Values
 from swimlab.footage.check.pairs import PairFit
 from swimlab.footage.motion import EstimatedMotion, Points
 from swimlab.footage.warping import mean_square
-
-LEAST = 0.2
-"""A pair moves if a quarter of its points goes this far, px."""
-EQUAL = 0.1
-"""A frame repeats the one before if it differs by less than this share of what most frames differ by."""
-_MOST = 0.8
 
 _UNLIKE = 0.5
 """Correlation under which two pictures have nothing to do with each other."""
@@ -43,22 +37,6 @@ FEW = 0.34
 """Up to this share of pairs that stray is a fault of single frames."""
 _SMOOTH = 9
 """Pairs over which a camera's own motion changes little."""
-
-
-def repeated_frames(pairs: list[PairFit]) -> list[int]:
-    """Indices of frames that show the one before once more, though they are said to move."""
-    if not pairs:
-        return []
-    usual = float(np.quantile([pair.change for pair in pairs], _MOST))
-    return [pair.late for pair in pairs if pair.reach >= LEAST and pair.change < EQUAL * usual]
-
-
-def every_nth(repeated: list[int], frames: list[int]) -> int:
-    """n where every nth frame repeats the one before, twice and more, all over the clip; else 0."""
-    steps = {late - early for early, late in pairwise(repeated)}
-    step = steps.pop() if len(steps) == 1 else 0
-    whole = step > 1 and repeated[0] - step <= frames[0] and repeated[-1] + step > frames[-1]
-    return step if whole else 0
 
 
 def find_cuts(pairs: list[PairFit], frames: Frames, *, moving: bool = False) -> list[int]:

@@ -13,7 +13,8 @@ from swimlab.footage.warping import mean_square
 FEWEST = 50
 """Points that must be seen in both frames."""
 _FLAT = 1e-6
-_REACH = 0.75
+REACH = 0.75
+"""Quantile of the points' motion: a quarter of them moves so far."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,6 @@ def _fit(motion: Motion, frames: Frames, late: int, early: int) -> PairFit | Non
         shift=fit.theta,
         error=fit.error,
         travel=moved.mean(axis=1)[::-1],
-        reach=float(np.quantile(np.hypot(*moved), _REACH)),
+        reach=float(np.quantile(np.hypot(*moved), REACH)),
         blocks=np.stack([np.bincount(blocks, each, minlength=ROWS * COLUMNS) for each in sums], axis=1),
     )

@@ -8,6 +8,7 @@ import numpy as np
 from swimlab.footage.check.events import find_cuts
 from swimlab.footage.check.grey import Frames
 from swimlab.footage.check.pairs import PairFit, fit_pairs
+from swimlab.footage.check.repeats import every_nth, held_frames
 from swimlab.footage.check.verdict import Verification, events_said
 from swimlab.footage.check.weighing import POOR
 from swimlab.footage.motion import EstimatedMotion, UniformMotion
@@ -49,29 +50,41 @@ def verify_still(
 ) -> Verification:
     """Whether frames stand still, as they must where no motion is given; the rest as of `verify`.
 
-    given: False: the motion is estimated, so that cuts alone are looked for.
+    given: False: the motion is estimated, so that cuts and repeated frames alone are looked for.
     """
 
     def number(index: int) -> int:
         return index if numbers is None else numbers[index]
 
     grey = Frames(picture, coverage, frames)
-    pairs = fit_pairs(UniformMotion((0.0, 0.0), grey.shape), grey, frames)
+    still = UniformMotion((0.0, 0.0), grey.shape)
+    pairs = fit_pairs(still, grey, frames)
     cuts = find_cuts(pairs, grey, moving=True)
     pairs = [pair for pair in pairs if pair.late not in cuts]
-    said = events_said(cuts, [], 0, number)
+    repeated, moving = held_frames(pairs), None
+    if repeated:
+        shown = [index for index in frames if index not in {*repeated}]
+        new = [pair for pair in fit_pairs(still, grey, shown) if pair.late not in cuts]
+        moving = _judge(grey, new, number)
+        repeated, pairs = (repeated, new) if moving else ([], pairs)
+    if moving is None and given:
+        moving = _judge(grey, pairs, number)
+    said = events_said(cuts, repeated, every_nth(repeated, frames), number)
     residual = float(np.median([pair.given for pair in pairs])) if pairs and given else None
-    found = Verification(residual=residual, cuts=tuple(cuts), note=said)
-    moving = _judge(grey, pairs, number) if given else None
+    found = Verification(residual=residual, cuts=tuple(cuts), repeated=tuple(repeated))
     if moving is None:
         calm = residual is not None and residual <= POOR
-        return replace(found, verdict="verified" if calm else "unchecked")
+        return replace(found, verdict="verified" if calm else "unchecked", note=said)
+    if not given:
+        return replace(found, verdict="partly", doubt=said)
     velocity = "{:.2g},{:.2g}".format(*(round(part, 2) + 0.0 for part in moving.velocity))
     mend = f"give --motion {velocity} or estimate" if moving.uniform else "give its vectors, or --motion estimate"
     text = f"content moves by about {velocity} px a frame: {mend}"
     if clean and moving.share < FAR:
-        return replace(found, verdict="wrong", error=f"is not given, but {text}")
-    return replace(found, verdict="partly", doubt=text)
+        return replace(found, verdict="wrong", error=f"is not given, but {text}", note=said)
+    if repeated:
+        return replace(found, verdict="partly", doubt=f"{said}; {text}")
+    return replace(found, verdict="partly", doubt=text, note=said)
 
 
 def _judge(frames: Frames, pairs: list[PairFit], number: Callable[[int], int]) -> Moving | None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from swimlab.footage.check.regions import Region
+from swimlab.footage.check.repeats import repeats_said
 from swimlab.footage.pattern import frame_range
 from swimlab.runs.frames import FrameError
 
@@ -62,9 +63,7 @@ def events_said(cuts: list[int], repeated: list[int], nth: int, number: Callable
     """Cuts and repeated frames in words; empty without any. nth: every nth frame is repeated, 0: without order."""
     said = []
     if repeated:
-        pattern = f"every {ordinal(nth)} frame" if nth else "a frame"
-        named = frame_range([number(index) for index in repeated])
-        said.append(f"{pattern} repeats the one before ({named}): the motion was checked over the frames between")
+        said.append(f"{repeats_said(repeated, nth, number)}: the motion was checked over the frames between")
     if cuts:
         said.append(f"a new shot begins with frame {frame_range([number(index) for index in cuts])}")
     return "; ".join(said)
@@ -87,9 +86,3 @@ def region_said(region: Region) -> str:
     mend = "Write vectors there" if region.zero else "Mend the vectors there"
     where = f"x {left}-{right - 1}, y {top}-{bottom - 1} ({region.fraction:.0%} of what is seen)"
     return f"does not fit at {where}: {why}. {mend}, or leave the place out with --mask"
-
-
-def ordinal(n: int) -> str:
-    """2nd, 3rd, 11th."""
-    ending = "th" if n % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(n % 10, "th")
-    return f"{n}{ending}"

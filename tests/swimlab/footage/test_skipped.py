@@ -4,40 +4,22 @@ import json
 
 import numpy as np
 import pytest
+from moving_waves import HEIGHT, WIDTH, write_clips, write_step
 
 from swimlab.footage.motion import UniformMotion
 from swimlab.runs.frames import write_channels
 
-WIDTH, HEIGHT, COUNT = 96, 64, 12
+COUNT = 12
 UNSTEADY = np.cumsum([(0.0, 0.0), *((1 + 0.25 * t, 0.5 - 0.125 * t) for t in range(COUNT - 1))], axis=0)
 """(x, y) px that the picture has moved by in each frame, ever faster to the right."""
 STEADY = np.arange(COUNT)[:, None] * np.array([1.25, -0.5])
 CHOICES = ["0-11x2", "0,2,4,6,8,10", "0-5,7-11", "1-11x5", "0,3,4,9,11"]
 
 
-def waves(place, seed):
-    """[H, W, 3]: a band-limited picture moved to a place, rms 1."""
-    random = np.random.default_rng(seed)
-    y, x = np.indices((HEIGHT, WIDTH)) + 0.5
-    kx, ky = random.uniform(-0.2, 0.2, (2, 16))
-    angle = 2 * np.pi * ((x - place[0])[..., None] * kx + (y - place[1])[..., None] * ky) + random.uniform(0, 6, 16)
-    return np.repeat(np.cos(angle).sum(axis=2)[..., None] * np.sqrt(2 / 16), 3, axis=2)
-
-
-def write(folder, places):
-    """Folders ref, glued and mv (backward vectors), a file a frame."""
-    for t, place in enumerate(places):
-        for name, pixels in (("ref", waves(place, 1)), ("glued", waves(place, 1) + 0.1 * waves(place, 2))):
-            path = folder / name / f"{t:04d}.exr"
-            write_channels(path, (3 + pixels).astype(np.float32), ("R", "G", "B"), half=False, metadata={})
-        step = np.broadcast_to(np.float32(place - places[t - 1]), (HEIGHT, WIDTH, 2))
-        write_channels(folder / "mv" / f"{t:04d}.exr", step, ("motion.X", "motion.Y"), half=False, metadata={})
-
-
 @pytest.fixture(scope="module")
 def unsteady(tmp_path_factory):
     folder = tmp_path_factory.mktemp("unsteady")
-    write(folder, UNSTEADY)
+    write_clips(folder, UNSTEADY)
     return folder
 
 
@@ -56,7 +38,7 @@ def test_vectors_are_composed_over_skipped_frames(swimlab, unsteady, frames, whe
 
 @pytest.mark.parametrize("frames", CHOICES)
 def test_one_vector_is_that_of_every_frame_though_some_are_skipped(swimlab, tmp_path, frames, tolerance):
-    write(tmp_path, STEADY)
+    write_clips(tmp_path, STEADY)
     words = ("--test", "glued", "--reference", "ref", "--motion=1.25,-0.5", "--frames", frames, "--json")
     code, out, err = swimlab("measure", *words)
     assert code == 0, err
@@ -65,7 +47,7 @@ def test_one_vector_is_that_of_every_frame_though_some_are_skipped(swimlab, tmp_
 
 
 def test_a_vector_that_is_wrong_is_mended_in_px_a_frame(swimlab, tmp_path):
-    write(tmp_path, STEADY)
+    write_clips(tmp_path, STEADY)
     words = ("measure", "--test", "glued", "--reference", "ref", "--frames", "0-11x2")
     code, _, err = swimlab(*words, "--motion=2.5,-1")
     assert code == 2
@@ -99,8 +81,7 @@ def test_what_is_not_there_between_is_said(swimlab, unsteady, tmp_path):
     assert "0001.exr: is missing" in err
     assert "motion vectors of skipped frames are needed too" in err
     for t in range(2, COUNT, 2):
-        step = np.broadcast_to(np.float32(UNSTEADY[t] - UNSTEADY[t - 2]), (HEIGHT, WIDTH, 2))
-        write_channels(tmp_path / "two" / f"{t:04d}.exr", step, ("motion.X", "motion.Y"), half=False, metadata={})
+        write_step(tmp_path / "two" / f"{t:04d}.exr", UNSTEADY[t] - UNSTEADY[t - 2])
     words[-1] = "2-10x2"
     code, _, err = swimlab(*words, "--motion", tmp_path / "two")
     assert code == 0, err
@@ -119,10 +100,9 @@ def test_a_masks_frames_between_are_asked_for_too(swimlab, unsteady, tmp_path):
 
 
 def test_kept_scores_are_measured_again_when_a_vector_between_changes(swimlab, tmp_path):
-    write(tmp_path, STEADY)
+    write_clips(tmp_path, STEADY)
     words = ("measure", "--test", "glued", "--motion", "mv", "--frames", "0-10x2", "-o", "run")
     assert swimlab(*words)[0] == 0
     assert "measuring glued" not in swimlab(*words)[2]
-    step = np.broadcast_to(np.float32([1.26, -0.5]), (HEIGHT, WIDTH, 2))
-    write_channels(tmp_path / "mv" / "0003.exr", step, ("motion.X", "motion.Y"), half=False, metadata={})
+    write_step(tmp_path / "mv" / "0003.exr", (1.26, -0.5))
     assert "measuring glued" in swimlab(*words)[2]
