@@ -9,6 +9,8 @@ from metrics.display import STANDARD, Display, Domain
 from metrics.ocio import WORKING, find_space, to_working
 
 LEVELS = {"uint8": 255, "uint16": 65535}
+FLOATS = frozenset({"half", "float", "double"})
+"""Types of stored values that may be no number."""
 
 AS_STORED = "linear"
 """Values are radiance as they stand, whatever their primaries."""

@@ -11,7 +11,8 @@ from swimlab.footage.request import Request
 from swimlab.footage.source import Box
 from swimlab.runs.frames import FrameError
 
-_NAMES = ("Depth.Z", "depth.Z", "Z", "Depth.V", "depth.V", "V", "Depth", "depth")
+NAMES = ("Depth.Z", "depth.Z", "Z", "Depth.V", "depth.V", "V", "Depth", "depth")
+"""What a channel of depth is called, by itself or in a layer."""
 
 
 class Depth:
@@ -23,7 +24,7 @@ class Depth:
         self._crop: Box | None = request.look.crop
         parts = find_parts(reader.header, request.depth_part, reader.name, option="--depth-part")
         channels = {channel: index for index, part in parts.items() for channel in part.channels}
-        wanted = [request.depth_channels] if request.depth_channels else list(_NAMES)
+        wanted = [request.depth_channels] if request.depth_channels else list(NAMES)
         found = [c for name in wanted for c in channels if c == name or c.endswith(f".{name}")]
         if not found and len(channels) == 1 and not request.depth_channels:
             found = list(channels)

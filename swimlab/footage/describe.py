@@ -1,20 +1,25 @@
 """What is known of frames without measuring them."""
 
 from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
+from metrics.machine import cores
 from swimlab.footage.channels import find_alpha, find_colour
-from swimlab.footage.colour import AUTO, resolve
+from swimlab.footage.colour import AUTO, FLOATS, resolve
 from swimlab.footage.convention import guess
+from swimlab.footage.depth import NAMES
 from swimlab.footage.header import LOSSY, Header
 from swimlab.footage.pattern import frame_range
-from swimlab.footage.reader import open_frames
+from swimlab.footage.reader import Reader, open_frames
+from swimlab.footage.source import check_usable
 from swimlab.runs.frames import FrameError
 
 
 def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
     """What a pattern, folder, file or video was taken for, as headings and values; what is wrong with its frames.
 
-    Frames that are cut short are found too. Raises FrameError.
+    Frames that are cut short, or hold values that cannot be measured, are found too. Raises FrameError.
     """
     reader = open_frames(name)
     header = reader.header
@@ -38,13 +43,37 @@ def describe(name: str) -> tuple[list[tuple[str, str]], list[str]]:
     if motion is not None:
         preset = motion.removesuffix("-forward")
         lines.append(("motion", f"channels as of --motion-convention {preset}; verified when measured"))
+    damage = reader.damage()
     try:
         part_index, channels = find_colour(header, None, name)
-        problems = reader.problems(part_index, channels)
     except FrameError:
-        problems = reader.problems(0, ())
-    problems = reader.damage() | problems
+        problems = damage | reader.problems(0, ())
+    else:
+        problems = damage | reader.problems(part_index, channels)
+        problems |= _unusable(reader, part_index, channels, [*problems, *reader.gaps])
     return lines, [problem for _, problem in sorted(problems.items())]
+
+
+def _unusable(reader: Reader, part: int, channels: Sequence[str], passed: Sequence[int]) -> dict[int, str]:
+    """Frames whose colour is in places no finite number or none of light, by index; depth has no such limits.
+
+    passed: indices that are not looked at.
+    """
+    of = reader.header.parts[part]
+    if of.types[of.channels.index(channels[0])] not in FLOATS or channels[0].rpartition(".")[2] in NAMES:
+        return {}
+
+    def fault(index: int) -> str:
+        try:
+            check_usable(reader.read(index, part, channels), reader.label(index))
+        except FrameError as error:
+            return str(error)
+        return ""
+
+    wanted = sorted({*range(len(reader.numbers))} - {*passed})
+    with ThreadPoolExecutor(cores()) as pool:
+        faults = dict(zip(wanted, pool.map(fault, wanted), strict=True))
+    return {index: said for index, said in faults.items() if said}
 
 
 def _colour(header: Header, name: str) -> list[tuple[str, str]]:

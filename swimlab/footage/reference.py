@@ -5,13 +5,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swimlab.footage.channels import find_colour, other_colours
-from swimlab.footage.colour import AUTO, SRGB, decode
+from swimlab.footage.colour import AUTO, FLOATS, SRGB, decode
 from swimlab.footage.reader import Reader
 from swimlab.footage.request import Request
 from swimlab.footage.source import Look, Source
 from swimlab.runs.frames import FrameError, Image
 
-_FLOATS = frozenset({"half", "float", "double"})
 _PREFIX = "reference-"
 
 _BLOCKS, _BLOCK = 24, 8
@@ -40,7 +39,7 @@ def open_reference(reader: Reader, given: Look, test: Source) -> Source:
     index, found = find_colour(header, channels, reader.name, part=part, prefix=_PREFIX)
     own = header.parts[index]
     stored_as = own.types[own.channels.index(found[0])]
-    alike = (stored_as in _FLOATS) == (test.stored_as in _FLOATS)
+    alike = (stored_as in FLOATS) == (test.stored_as in FLOATS)
     space = given.colour_space
     if space is None:
         space = look.colour_space if own.colour_space is None and alike else AUTO
