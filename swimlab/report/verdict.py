@@ -27,6 +27,7 @@ from swimlab.report.weighing import (
     Tested,
     best_for_its_time,
     nearest_of,
+    nearest_sparkles,
     sparkles,
     unresolved_from,
     weigh,
@@ -40,7 +41,8 @@ NEAREST, BEST, FASTEST = "Closest to the reference", "Best for its time", "Faste
 RULE = (
     "Nearest has the least rms error, fastest the least time a frame, and best for its time the "
     "least product of both, so that half the error is worth twice the time, among what does not sparkle: most of its "
-    f"squared error is flicker, which is {WRONG:g} times the nearest's error or more. Calm but wrong is what flickers "
+    f"squared error is flicker, which is {WRONG:g} times the nearest's error or more; the nearest sparkles where "
+    "most of its own is, beyond the reference's error. Calm but wrong is what flickers "
     f"no more than the best for its time and errs {WRONG:g} times as much or more."
 )
 TIMES = "Times are this run's, on the machine that rendered it, one technique after another."
@@ -139,7 +141,9 @@ def _weighed(tested: Sequence[Tested], by_sequence: Entries) -> Verdict:
 
 
 def _sparkle(one: Tested, nearest: Tested) -> list[str]:
-    return ["It sparkles: most of its error is flicker."] if sparkles(one, nearest) else []
+    """A warning where a choice sparkles; of the nearest, which errs least, where its own error mostly flickers."""
+    found = nearest_sparkles(one) if one is nearest else sparkles(one, nearest)
+    return ["It sparkles: most of its error is flicker."] if found else []
 
 
 def _alone(only: Tested) -> Verdict:

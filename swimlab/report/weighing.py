@@ -23,13 +23,17 @@ AS_GOOD = 1.1
 
 @dataclass(frozen=True)
 class Tested:
-    """A technique over all sequences: rms error and flicker, visible flicker (means), and ms a frame if known."""
+    """A technique over all sequences: rms error and flicker, visible flicker (means), and ms a frame if known.
+
+    floor: rms of the reference's own error, if known.
+    """
 
     name: str
     error: float
     flicker: float | None
     visible: float | None
     time: float | None
+    floor: float | None = None
 
 
 def weigh(name: str, by_sequence: Entries, milliseconds: Mapping[str, Mapping[str, float]]) -> Tested:
@@ -42,6 +46,7 @@ def weigh(name: str, by_sequence: Entries, milliseconds: Mapping[str, Mapping[st
         _root(_mean([each.get("budget.flicker") for each in scores])),
         _mean([each.get("visible.flicker") for each in scores]),
         _mean(times),
+        _root(_mean([each.get("budget.floor") for each in scores])),
     )
 
 
@@ -81,7 +86,16 @@ def _product(one: Tested) -> float:
 
 def sparkles(one: Tested, nearest: Tested) -> bool:
     """Whether most of its squared error is flicker, and that is WRONG times what the nearest errs in all."""
-    return one.flicker is not None and one.flicker**2 > one.error**2 / 2 and one.flicker >= WRONG * nearest.error
+    return _mostly_flicker(one) and (one.flicker or 0.0) >= WRONG * nearest.error
+
+
+def nearest_sparkles(nearest: Tested) -> bool:
+    """Whether most of the nearest's own squared error is flicker, and more than the reference's own error."""
+    return _mostly_flicker(nearest) and (nearest.flicker or 0.0) > (nearest.floor or 0.0)
+
+
+def _mostly_flicker(one: Tested) -> bool:
+    return one.flicker is not None and one.flicker**2 > one.error**2 / 2
 
 
 def unresolved_from(one: Tested, others: Sequence[Tested], by_sequence: Entries) -> list[Tested]:

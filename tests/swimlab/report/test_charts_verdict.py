@@ -57,6 +57,17 @@ def test_what_sparkles_is_said_to() -> None:
     assert fastest.notes == ["It sparkles: most of its error is flicker."]
 
 
+@pytest.mark.parametrize(("flicker", "floor", "said"), [(0.04, 1e-6, True), (0.034, 1e-6, False), (0.04, 2e-3, False)])
+def test_the_nearest_sparkles_where_most_of_its_own_error_flickers(flicker: float, floor: float, said: bool) -> None:
+    """Half the energy of an error of .05 is .0354; what the reference itself errs by is no fault of a technique."""
+    two = [entry("near", 0.05, flicker), entry("far", 0.3, 0.1)]
+    for each in two:
+        each["scores"]["budget.floor"] = floor
+    for times in ({}, {"road-shift": {"near": 9.0, "far": 1.0}}):
+        notes = {pick.title: pick.notes for pick in verdict(two, times).picks}[NEAREST]
+        assert ("It sparkles: most of its error is flicker." in notes) is said
+
+
 def test_what_sparkles_is_not_the_best_for_its_time_while_something_else_is_there() -> None:
     """Of these two pixel-point has the lesser product, .8 to 1.2."""
     two = [item for item in entries() if item["technique"] in ("pixel-point", "pixel-aniso", "tsl")]
