@@ -25,7 +25,7 @@ from swimlab.report.contact import write_contact_sheet
 from swimlab.report.kept import is_made_of, key_of_report, write_kept_report
 from swimlab.runs.files import write_json
 from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.scores import merge_scores, refuse_other
+from swimlab.runs.scores import check_output, merge_scores, refuse_other
 from swimlab.sweep.build import STORE
 from swimlab.sweep.shots import Asked, Shots
 
@@ -85,6 +85,7 @@ def study_command(
     if rendering.dry_run:
         print_plans(list(plans.values()), folders, force=rendering.force, json_output=json_output)
         return 0
+    check_output(output)
     for name, run in zip(titles, folders, strict=True):
         if name in shots:
             refuse_other(run, titles[name])

@@ -7,6 +7,7 @@ import shutil
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from errno import ENOTDIR
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,16 @@ def writing(path: Path, temporary: Path) -> Iterator[None]:
         why = f"{at_fault} is a file, not a folder" if at_fault is not None else error.strerror
         said = str(why) if str(why).startswith(UNWRITTEN) else f"{UNWRITTEN}: {why}"
         raise OSError(error.errno, said, str(path)) from error
+
+
+def check_writable(folder: Path) -> None:
+    """Raise OSError with the reason where a folder, which need not be there, cannot be written; nothing is left."""
+    there = next(each for each in (folder, *folder.parents) if each.exists())
+    if not there.is_dir():
+        raise NotADirectoryError(ENOTDIR, f"{there} is a file, not a folder", str(folder))
+    attempt = temporary_path(there / "output")
+    attempt.touch()
+    attempt.unlink()
 
 
 UNWRITTEN = "cannot be written"

@@ -6,9 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from swimlab.runs.files import clear_leftovers, write_json, write_text
+from swimlab.runs.files import check_writable, clear_leftovers, write_json, write_text
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION, Record, RunError
+
+OVER = "choose another folder with -o, or write over it with --force"
+"""What to do where a folder holds something else."""
 
 
 def run_folders(folder: Path) -> list[Path]:
@@ -101,10 +104,39 @@ def refuse_other(run: Path, sequence: str) -> None:
 
 def refuse_rendered(run: Path) -> None:
     """Raise RunError where frames cannot be measured into a folder: it is a file, or holds a rendered run."""
-    if run.is_file():
-        raise RunError(f"--output {run}: is a file; name a folder, or a file that ends in .json")
+    _refuse_file(run)
     if (run / "run.json").is_file() and not Record.read(run).inputs:
         raise RunError(f"--output {run}: holds a rendered run; name another folder")
+
+
+def check_output(output: Path) -> None:
+    """Raise RunError where a folder, or a file of scores, cannot be written; nothing is left of the attempt."""
+    folder = output.parent if scores_path(output) == output else output
+    if folder == output:
+        _refuse_file(output)
+    elif output.is_dir():
+        raise RunError(f"--output {output}: is a folder, though it ends in .json; name it otherwise")
+    try:
+        check_writable(folder)
+    except OSError as error:
+        raise RunError(f"--output {output}: cannot be written: {error.strerror}; name another place with -o") from error
+
+
+def refuse_copy_over(folder: Path, run: Path) -> None:
+    """Raise RunError where a copy of a run's scores would take the place of another run's."""
+    if folder.resolve() == run.resolve():
+        return
+    if (folder / "run.json").is_file():
+        raise RunError(f"--output {folder}: holds another run, with scores of its own; name another folder")
+    if (folder / "scores.json").is_file():
+        held = {entry["sequence"] for entry in read_scores(folder)["sequences"]}
+        if held != {Record.read(run).sequence["name"]}:
+            raise RunError(f"--output {folder}: holds the scores of {', '.join(sorted(held))}; {OVER}")
+
+
+def _refuse_file(run: Path) -> None:
+    if run.is_file():
+        raise RunError(f"--output {run}: is a file; name a folder, or a file that ends in .json")
 
 
 def write_content(run: Path, scores: dict[str, Any]) -> None:
