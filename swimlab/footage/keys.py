@@ -4,8 +4,10 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import get_args
 
 from metrics import ClipError
+from swimlab.footage.convention import PRESETS, Direction, Unit, Vertical
 from swimlab.runs.frames import FrameError
 
 _INPUTS = ("reference", "motion", "depth", "mask")
@@ -20,6 +22,10 @@ _KEYS = {
     "display": "display.view",
 }
 _SAME = ("channels", "colorspace", "alpha", "part", "crop", "fps", "frames", "skip-bad-frames", *_INPUTS)
+_VALUES = "|".join(
+    sorted([*PRESETS, *get_args(Unit), *get_args(Direction), *get_args(Vertical)], key=len, reverse=True)
+)
+"""What convention, unit, direction and y may be."""
 _NUMBER = r"-?[\d.]+(?:e[-+]?\d+)?"
 
 
@@ -28,8 +34,13 @@ def as_keys(text: str) -> str:
 
     >>> as_keys("give --motion 0.5,-1 or --motion-unverified, or mend --reference-colorspace")
     'give motion.velocity = [0.5, -1] or motion.unverified = true, or mend reference.colorspace'
+    >>> as_keys("Use --motion-scale 1,-1, --motion-scale 2 or --motion-convention unity; check --motion-unit")
+    'Use motion.scale = [1, -1], motion.scale = [2, 2] or motion.convention = "unity"; check motion.unit'
     """
     text = re.sub(rf"--motion ({_NUMBER}),({_NUMBER})", r"motion.velocity = [\1, \2]", text)
+    text = re.sub(rf"--motion-(scale|offset) ({_NUMBER}),({_NUMBER})", r"motion.\1 = [\2, \3]", text)
+    text = re.sub(rf"--motion-(scale|offset) ({_NUMBER})(?=[, ]|$)", r"motion.\1 = [\2, \2]", text)
+    text = re.sub(rf"--motion-(convention|unit|direction|y) ({_VALUES})\b", r'motion.\1 = "\2"', text)
     text = re.sub(r"--motion estimate\b", "motion.estimate = true", text)
     text = re.sub(r"--frames (-?\d[\d,x-]*)", r'frames = "\1"', text)
     return re.sub(r"--([a-z]+(?:-[a-z]+)*)", _key, text)

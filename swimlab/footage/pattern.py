@@ -123,6 +123,9 @@ def parse_range(text: str, name: str) -> tuple[int, ...]:
     """Frame numbers in order from 1-48, 1-48x2 or 3,5. Raises FrameError naming what it was given for."""
     from fileseq.frameset import FrameSet  # heavy
 
+    for first, last in re.findall(r"(?<![\dx:y-])(-?\d+)-(-?\d+)", text):
+        if int(last) < int(first):
+            raise FrameError(f"{name}: {text} runs backwards; write {last}-{first}")
     try:
         return tuple(sorted({int(str(frame)) for frame in FrameSet(text)}))
     except ValueError as error:

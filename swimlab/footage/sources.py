@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from metrics.machine import cores
 from swimlab.footage.between import find_vectors
-from swimlab.footage.pattern import find_files, is_video
+from swimlab.footage.pattern import find_files, is_video, parse_range
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.runs.frames import FrameError
 from swimlab.runs.hashes import hash_file
@@ -31,6 +31,8 @@ def find_inputs(requests: Mapping[str, Request]) -> dict[str, Given]:
     Raises one FrameError, a line each, for all inputs that are not there.
     """
     first = next(iter(requests.values()))
+    if first.frames is not None:
+        parse_range(first.frames, "--frames")
     of_files = first.motion not in (None, ESTIMATE) and first.velocity is None and not is_video(str(first.motion))
     shared = {
         REFERENCE: first.reference,

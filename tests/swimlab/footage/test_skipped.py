@@ -106,3 +106,13 @@ def test_kept_scores_are_measured_again_when_a_vector_between_changes(swimlab, t
     assert "measuring glued" not in swimlab(*words)[2]
     write_step(tmp_path / "mv" / "0003.exr", (1.26, -0.5))
     assert "measuring glued" in swimlab(*words)[2]
+
+
+def test_a_range_that_cannot_be_read_is_said_once(swimlab, unsteady):
+    words = ("measure", "--test", unsteady / "glued", "--reference", unsteady / "ref", "--motion", unsteady / "mv")
+    for text, why in (("5-2", "runs backwards; write 2-5"), ("abc", "is no range"), ("0-3,9-7x2", "write 7-9")):
+        code, _, err = swimlab(*words, "--frames", text)
+        assert code == 2
+        assert err.startswith(f"swimlab: --frames: {text} ")
+        assert why in err
+        assert err.count("\n") == 1
