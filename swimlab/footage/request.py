@@ -16,6 +16,9 @@ ESTIMATE = "estimate"
 
 _VECTOR = re.compile(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 
+_NUMBERS = re.compile(r"\s*([-+]?(\d*\.?\d+|\d+\.|nan|inf)\s*,?\s*)+", re.IGNORECASE)
+"""What is meant as a vector, and is none."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
@@ -74,6 +77,8 @@ class Request:
         """The motion as px a frame, where it is one vector for all. Raises FrameError where that cannot be read."""
         vector = None if self.motion is None else _VECTOR.fullmatch(self.motion)
         if vector is None:
+            if self.motion is not None and _NUMBERS.fullmatch(self.motion) and not Path(self.motion).exists():
+                raise FrameError(f"--motion {self.motion}: give dx,dy in px a frame, as 0.5,-0.25, or name files")
             return None
         try:
             return float(vector[1]), float(vector[2])

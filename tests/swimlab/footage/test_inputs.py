@@ -237,3 +237,10 @@ def test_channels_and_parts_of_masks_that_are_not_there_are_refused(swimlab, cli
     write(tmp_path / "mask.exr", {"Y": GREY})
     code, _, err = swimlab("measure", "--test", clip("test", rgb(GREY)), *words)
     assert (code, said in err) == (2, True), err
+
+
+@pytest.mark.parametrize("motion", ["3", "nan,inf", "-2.5", "1,2,3", "1,-inf"])
+def test_what_is_meant_as_a_vector_is_no_name_of_files(swimlab, tmp_path, motion):
+    code, _, err = swimlab("measure", "--test", ".", f"--motion={motion}")
+    assert code == 2
+    assert f"--motion {motion}: give dx,dy in px a frame, as 0.5,-0.25" in err
