@@ -15,7 +15,6 @@ from metrics.display import Domain
 from swimlab.cli.footage_options import VIEWING, Footage
 from swimlab.cli.score_table import print_scores
 from swimlab.cli.terminal import progress
-from swimlab.footage.brought import refuse_another
 from swimlab.footage.keys import as_keys, in_words_of
 from swimlab.footage.request import Request
 from swimlab.footage.shot import is_shot, load_shot
@@ -23,7 +22,7 @@ from swimlab.footage.subject import Subject
 from swimlab.runs.columns import COLUMNS
 from swimlab.runs.files import write_json, write_text
 from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.scores import check_output, frames_table, refuse_copy_over, scores_path
+from swimlab.runs.scores import check_output, frames_table, scores_path
 from swimlab.scoring.brought import measure_brought
 from swimlab.scoring.measure import measure_run
 
@@ -38,7 +37,6 @@ def measure_command(
     peers: str | None = None,
     device: str = "cpu",
     json_output: Annotated[bool, Parameter(name="--json", negative="")] = False,
-    force: Annotated[bool, Parameter(negative="")] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="")] = False,
 ) -> int:
     """Measure the techniques of a run folder against its reference, or frames of your own (--test, or a shot file).
@@ -60,8 +58,6 @@ def measure_command(
         Where frames are aligned and pixels compared: cpu, or a GPU, as cuda:0.
     json_output:
         Print the scores as JSON instead of a table.
-    force:
-        Write over the scores of other frames that the output folder holds.
     quiet:
         Show no progress and no notes, only warnings.
     """
@@ -76,22 +72,14 @@ def measure_command(
         _refuse_footage(footage, "a shot file has keys for it")
         shot, viewing = load_shot(run), dict[str, Any](footage.viewing())
         asked = {build: replace(request, **viewing) for build, request in shot.requests(run.parent, domain).items()}
-        if folder is not None and not force:
-            with in_words_of(run):
-                refuse_another(folder, asked)
         scores = measure_shot_with_progress(run, asked, folder, shot.name, peers=others, device=device, quiet=quiet)
         run = None
     elif run is not None:
         _refuse_footage(footage, "a run folder knows it by itself")
-        if folder is not None and not force:
-            refuse_copy_over(folder, run)
         scores = measure_with_progress(run, domain, peers=others, viewing=footage.viewing(), device=device, quiet=quiet)
     else:
-        requests = footage.requests(domain)
-        if folder is not None and not force:
-            refuse_another(folder, requests)
         scores = measure_brought_with_progress(
-            requests, folder, footage.sequence, peers=others, device=device, quiet=quiet
+            footage.requests(domain), folder, footage.sequence, peers=others, device=device, quiet=quiet
         )
     written = None if output is None else scores_path(output)
     if output is not None and (run is not None or written == output):

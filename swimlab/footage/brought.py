@@ -1,19 +1,16 @@
 """A run of brought frames: its record, and what that record asks to measure again."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter
 
-from swimlab.footage.pattern import find_files
 from swimlab.footage.request import ESTIMATE, Request
 from swimlab.footage.subject import Subject
-from swimlab.runs.hashes import hash_file
-from swimlab.runs.record import REFERENCE, Record, RunError
-from swimlab.runs.scores import OVER
+from swimlab.runs.record import REFERENCE, Record
 
 
 def record_of(
@@ -75,35 +72,6 @@ def from_anywhere(request: Request, *, home: str | None = None) -> Request:
 def placed(name: str, home: str | None) -> str:
     """The absolute name of a file, or with `home` its name relative to this folder."""
     return str(Path(name).absolute()) if home is None else os.path.relpath(name, home)
-
-
-def refuse_another(run: Path, requests: Mapping[str, Request]) -> None:
-    """Raise RunError where a folder holds a brought run whose scores would be lost: of other frames, or builds more.
-
-    Frames that were changed, or moved as they are, are the same.
-    """
-    if not (run / "run.json").is_file():
-        if (run / "scores.json").is_file():
-            raise RunError(f"--output {run}: holds scores of other runs; {OVER}")
-        return
-    record = Record.read(run)
-    lost = [name for name in record.settings.get("requests", {}) if name not in requests]
-    if lost:
-        raise RunError(f"--output {run}: holds scores of {', '.join(lost)} too, not measured now; {OVER}")
-    for name, request in requests.items():
-        if name in record.inputs:
-            paths = [path for path in find_files(request.test, frames=request.frames).paths if path.is_file()]
-            if not _same(record.inputs[name]["files"], paths):
-                of = record.inputs[name]["name"]
-                raise RunError(f"--output {run}: holds scores of {name} of other frames, {of}; {OVER}")
-
-
-def _same(before: Sequence[Mapping[str, Any]], now: Sequence[Path]) -> bool:
-    """Whether files are among earlier ones, or are what these were: of their names, sizes and first one's bytes."""
-    if {str(path.absolute()) for path in now} & {file["path"] for file in before}:
-        return True
-    alike = [(Path(file["path"]).name, file["bytes"]) for file in before] == [(p.name, p.stat().st_size) for p in now]
-    return alike and bool(now) and hash_file(now[0]) == before[0]["sha256"]
 
 
 def _about(subject: Subject) -> dict[str, Any]:

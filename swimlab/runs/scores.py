@@ -10,9 +10,6 @@ from swimlab.runs.files import check_writable, clear_leftovers, write_json, writ
 from swimlab.runs.provenance import provenance
 from swimlab.runs.record import VERSION, Record, RunError
 
-OVER = "choose another folder with -o, or write over it with --force"
-"""What to do where a folder holds something else."""
-
 
 def run_folders(folder: Path) -> list[Path]:
     """The folder itself where it is a run, else the runs in it. Raises RunError where there is none."""
@@ -120,18 +117,6 @@ def check_output(output: Path) -> None:
         check_writable(folder)
     except OSError as error:
         raise RunError(f"--output {output}: cannot be written: {error.strerror}; name another place with -o") from error
-
-
-def refuse_copy_over(folder: Path, run: Path) -> None:
-    """Raise RunError where a copy of a run's scores would take the place of another run's."""
-    if folder.resolve() == run.resolve():
-        return
-    if (folder / "run.json").is_file():
-        raise RunError(f"--output {folder}: holds another run, with scores of its own; name another folder")
-    if (folder / "scores.json").is_file():
-        held = {entry["sequence"] for entry in read_scores(folder)["sequences"]}
-        if held != {Record.read(run).sequence["name"]}:
-            raise RunError(f"--output {folder}: holds the scores of {', '.join(sorted(held))}; {OVER}")
 
 
 def _refuse_file(run: Path) -> None:

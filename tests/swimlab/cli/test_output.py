@@ -1,7 +1,5 @@
-"""Where `--output` may be written: it is looked at before anything is measured, and no other run is lost."""
+"""Where `--output` may be written: it is looked at before anything is measured."""
 
-import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -13,79 +11,13 @@ COUNT = 4
 
 @pytest.fixture
 def clips(tmp_path):
-    """Folders a, b and c of still frames, and a shot file of a and b; the working folder."""
-    for seed, name in enumerate("abc"):
+    """Folders a and b of still frames, and a shot file of a and b; the working folder."""
+    for seed, name in enumerate("ab"):
         for t in range(COUNT):
             write_picture(tmp_path / name / f"{t:04d}.exr", waves(np.zeros(2), seed) + 0.01 * t)
     builds = "".join(f'[builds.{name}]\nframes = "{name}/####.exr"\n' for name in "ab")
     (tmp_path / "shot.toml").write_text(f'version = 1\nname = "still"\n{builds}', encoding="utf-8")
     return tmp_path
-
-
-def scores(folder):
-    content = json.loads((Path(folder) / "scores.json").read_text(encoding="utf-8"))
-    return {entry["technique"]: entry["scores"]["residual.flicker"] for entry in content["sequences"]}
-
-
-def test_scores_of_other_frames_are_not_written_over(swimlab, clips):
-    assert swimlab("measure", "--test", "a", "-o", "run", "-q")[0] == 0
-    before = scores("run")
-    code, _, err = swimlab("measure", "--test", "b", "-o", "run", "-q")
-    assert code == 2
-    assert "--output run: holds scores of test of other frames" in err
-    assert "choose another folder with -o, or write over it with --force" in err
-    assert scores("run") == before
-    assert swimlab("measure", "--test", "b", "-o", "run", "-q", "--force")[0] == 0
-    assert swimlab("measure", "--test", "b", "-o", "run", "-q")[0] == 0
-
-
-def test_builds_that_are_not_named_again_are_not_lost(swimlab, clips):
-    assert swimlab("measure", "shot.toml", "-o", "run", "-q")[0] == 0
-    code, _, err = swimlab("measure", "--build", "a=a", "-o", "run", "-q")
-    assert code == 2
-    assert "holds scores of b too" in err
-    assert list(scores("run")) == ["a", "b"]
-    shot = (clips / "shot.toml").read_text(encoding="utf-8")
-    (clips / "shot.toml").write_text(shot.replace("b/####", "c/####"), encoding="utf-8")
-    code, _, err = swimlab("measure", "shot.toml", "-o", "run", "-q")
-    assert code == 2
-    assert "holds scores of b of other frames" in err
-
-
-def test_the_same_frames_are_measured_again_and_builds_are_added(swimlab, clips):
-    assert swimlab("measure", "--build", "a=a", "-o", "run", "-q")[0] == 0
-    first = scores("run")
-    assert swimlab("measure", "--build", "a=a", "--build", "b=b", "-o", "run", "-q")[0] == 0
-    assert scores("run")["a"] == first["a"]
-    write_picture(clips / "a" / "0002.exr", waves(np.zeros(2), 0) + 0.3)
-    assert swimlab("measure", "shot.toml", "-o", "run", "-q", "--domain", "display")[0] == 0
-    assert swimlab("measure", "shot.toml", "-o", "run", "-q")[0] == 0
-    assert scores("run")["a"] > first["a"]
-    assert swimlab("measure", "run", "-o", "run", "-q")[0] == 0
-
-
-def test_frames_that_were_moved_are_the_same(swimlab, clips):
-    assert swimlab("measure", "shot.toml", "-o", "run", "-q")[0] == 0
-    (clips / "there").mkdir()
-    for name in ("a", "b", "shot.toml"):
-        shutil.move(clips / name, clips / "there" / name)
-    assert swimlab("measure", "there/shot.toml", "-o", "run", "-q")[0] == 0
-
-
-def test_a_copy_of_scores_takes_the_place_of_no_others(swimlab, clips):
-    assert swimlab("measure", "shot.toml", "-o", "run", "-q")[0] == 0
-    assert swimlab("measure", "--test", "c", "-o", "other", "-q")[0] == 0
-    code, _, err = swimlab("measure", "run", "-o", "other", "-q")
-    assert code == 2
-    assert "--output other: holds another run" in err
-    for _ in range(2):
-        assert swimlab("measure", "run", "-o", "copy", "-q")[0] == 0
-    code, _, err = swimlab("measure", "other", "-o", "copy", "-q")
-    assert code == 2
-    assert "holds the scores of still" in err
-    code, _, err = swimlab("measure", "--test", "a", "-o", "copy", "-q")
-    assert code == 2
-    assert "holds scores of other runs" in err
 
 
 @pytest.mark.parametrize("output", ["file/run", "file/deep/run", "file/scores.json", "folder.json"])
