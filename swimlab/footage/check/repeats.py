@@ -15,6 +15,8 @@ LEAST = 0.2
 """A pair moves if a quarter of its points goes this far, px."""
 EQUAL = 0.1
 """A frame repeats the one before if it differs by less than this share of what most frames differ by."""
+LOOKED_AT = 24
+"""Frames in the middle of a clip that are read once more to find out whether it repeats any."""
 _MOST = 0.8
 _HELD = 4
 """Frames in a row that repeat one at most, as 12 a second shown at 60; a picture that stands longer rests."""
@@ -34,7 +36,16 @@ def held_frames(pairs: list[PairFit]) -> list[int]:
 
 
 def repeated_in(frames: Frames, indices: Sequence[int], motion: Motion) -> list[int]:
-    """As `repeated_frames`, of frames whose motion was held against others: it is asked for where a pair is alike."""
+    """As `repeated_frames`, of frames whose motion was held against others: it is asked for where a pair is alike.
+
+    Of a long clip a part is looked at, and all of it if that has any.
+    """
+    skipped = max(0, len(indices) - LOOKED_AT) // 2
+    found = _repeated(frames, indices[skipped : skipped + LOOKED_AT], motion)
+    return _repeated(frames, indices, motion) if found and len(indices) > LOOKED_AT else found
+
+
+def _repeated(frames: Frames, indices: Sequence[int], motion: Motion) -> list[int]:
     pairs = list(pairwise(indices))
     alike = _alike([_change(frames, late, early) for early, late in pairs])
     return [pairs[place][1] for place in alike if _moves(frames, motion, *reversed(pairs[place]))]
