@@ -97,8 +97,8 @@ def section(found: Mapping[str, Mapping[str, Row]]) -> Section:
     parts: list[str | Table] = [
         "Light depends on the eye and the sun, not on where the camera looks. A tile is lit when it comes into sight; "
         "`reuse` keeps its light for N frames at most, tiles taking turns, and `tolerance` bounds by how much it may "
-        "have changed meanwhile, as a part of the peak of the highlight of the maps' highest power. Frames have others "
-        "before them, from which they keep light. All rows but the first are "
+        "have changed meanwhile, as a part of the peak of the highlight of the maps' highest power. Where light "
+        "changes the first frame, too, follows others whose light it keeps. All rows but the first are "
         '`texels = "needed"` with moments (`vmf`). *Lag* is by how many frames light is late: how often the '
         "difference that light of one frame ago makes is in the picture.",
     ]
