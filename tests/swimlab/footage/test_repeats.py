@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from moving_waves import waves, write_clips, write_picture
 
+from swimlab.footage.check import repeats
+
 COUNT = 12
 STEADY = np.arange(COUNT)[:, None] * np.array([1.5, -0.5])
 CADENCES = {
@@ -63,6 +65,20 @@ def test_repeats_are_each_builds_own(swimlab, clips):
     assert code == 0, err
     assert "bad: a frame of the test repeats the one before (5)" in err
     assert "good: " not in err
+
+
+@pytest.mark.parametrize(("looked_at", "told"), [(6, True), (4, False)])
+def test_of_a_long_clip_the_middle_tells_whether_all_is_looked_at(swimlab, clips, monkeypatch, looked_at, told):
+    """Repeats beside it alone are not found; where it has one all are named."""
+    name = "ends"
+    for t, k in enumerate([0, 0, 2, 3, 3 if told else 4, 5, 6, 7, 8, 8, 10, 11]):
+        write_picture(clips / name / f"{t:04d}.exr", waves(STEADY[k], 1))
+    monkeypatch.setattr(repeats, "LOOKED_AT", looked_at)
+    words = ("--test", clips / name, "--reference", clips / "ref", "--motion", "1.5,-0.5", "-q")
+    code, _, err = swimlab("measure", *words)
+    assert code == 0, err
+    assert ("of the test repeats the one before (1,4,9)" in err) == told
+    assert ("of the test repeats" in err) == told
 
 
 def test_what_rests_or_repeats_with_its_reference_is_no_fault_of_the_test(swimlab, clips, tmp_path):
