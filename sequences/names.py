@@ -8,7 +8,7 @@ LONGEST = 100
 
 def check_name(name: str, of: str) -> str:
     """The name, which one of these may have; of: "a build". Raises ValueError."""
-    if re.fullmatch(NAME.strip("^$"), name) is None:
+    if re.fullmatch(NAME, name) is None:
         raise ValueError(f"{name!r} is no name of {of}: use letters, digits, dot, dash and underscore")
     if len(name) > LONGEST:
         raise ValueError(f"{name!r} is too long for a name of {of}: use at most {LONGEST} characters")
